@@ -8,7 +8,7 @@ SITE ?= out/docs
 LOCK ?= requirements.lock
 PIP := $(BIN)/pip install --quiet $(if $(LOCK),--constraint $(LOCK))
 
-.PHONY: help demo test check census first-run mutants docs lock bench clean
+.PHONY: help demo test check census first-run wheel mutants docs lock bench clean
 
 help:  ## what there is to make
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 8
@@ -44,6 +44,9 @@ census:  ## count modules, circles, long functions; CENSUS=--strict fails where 
 
 first-run: $(VENV)/.base  ## compile all from an empty cache: kernels, specialisations, seconds
 	$(BIN)/python tools/first_run.py
+
+wheel: $(VENV)/.base  ## a wheel for this platform with compiled kernels, in dist: the first run compiles nothing
+	$(BIN)/python tools/wheel.py dist
 
 MUTANTS ?= 300
 mutants: $(VENV)/.base $(VENV)/.test $(VENV)/.mutants  ## small changes of the code, each tried on the tests that run its line; takes hours

@@ -30,9 +30,9 @@ from toolpace.programs.reading import read, read_text
 from toolpace.programs.toolpath import ToolPath
 from toolpace.setup_search.choices import Choices
 from toolpace.setup_search.clamping import Clamping
+from toolpace.setup_search.found_set_up import PlannedSetUp, confirmed
 from toolpace.setup_search.search import search_setup
 from toolpace.setup_search.trial import Task, Trial, as_tips_and_axes, centre_of, tried
-from toolpace.setup_search.verified_set_up import PlannedSetUp, confirmed
 
 Row = dict[str, Any]
 SEEDS = (1, 2, 3)

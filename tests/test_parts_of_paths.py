@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 import toolpace as tp
-from toolpace.jobs.following import follow_as_planned
+from toolpace.jobs.inspection import follow_as_planned
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
 ARCS = "G21 G90 G94 G17 F2000\nG0 X0 Y0 Z0\n" + "G2 X496 Y0 I248 J0\nG2 X0 Y0 I-248 J0\n" * 2 + "M2\n"

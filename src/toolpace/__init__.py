@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from toolpace.common.errors import ToolpaceError, UnitWarning
     from toolpace.common.workers import Progress, Workers
     from toolpace.controls.export import Exported, ReadBack, export
-    from toolpace.controls.timing.program import program_time
-    from toolpace.controls.timing.program_time import PartTime, ProgramTime
+    from toolpace.controls.timing.program_time import PartTime, ProgramTime, program_time
     from toolpace.cutting.bending.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.bending.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
@@ -41,8 +40,8 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
+    from toolpace.motion.files.set_point_files import read_set_points
     from toolpace.motion.laws.law import Probe, TimeLaw
-    from toolpace.motion.set_point_files import read_set_points
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
     from toolpace.path.axispath.axispath import AxisPath
@@ -62,18 +61,15 @@ if TYPE_CHECKING:
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
-    from toolpace.setup_search.choices import Choice, Choices
+    from toolpace.setup_search.choices import Choice, Choices, Zone
     from toolpace.setup_search.choices_file import load_choices
     from toolpace.setup_search.clamping import Clamping
-    from toolpace.setup_search.place_map import PlaceMap
+    from toolpace.setup_search.found_set_up import FoundSetUp, PlaceMap, PlannedSetUp
     from toolpace.setup_search.search import search_setup
-    from toolpace.setup_search.search_result import FoundSetUp
-    from toolpace.setup_search.verified_set_up import PlannedSetUp
-    from toolpace.setup_search.zones import Zone
 
 __all__ = [
     "AxisPath",
@@ -190,7 +186,7 @@ _HOME = {
     "Engagement": "machine.cutting_tool",
     "Exported": "controls.export",
     "Follower": "deflection.following",
-    "FoundSetUp": "setup_search.search_result",
+    "FoundSetUp": "setup_search.found_set_up",
     "Genetic": "planning.genetic.planner",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
@@ -207,9 +203,9 @@ _HOME = {
     "Path": "path.path",
     "PathJet": "path.run",
     "PathRun": "path.run",
-    "PlaceMap": "setup_search.place_map",
+    "PlaceMap": "setup_search.found_set_up",
     "PlannedRun": "planning.planned_run",
-    "PlannedSetUp": "setup_search.verified_set_up",
+    "PlannedSetUp": "setup_search.found_set_up",
     "Planner": "planning.planner",
     "Probe": "motion.laws.law",
     "ProgramPlan": "planning.program_plan",
@@ -227,7 +223,7 @@ _HOME = {
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
     "TimeLaw": "motion.laws.law",
-    "Tolerances": "programs.tolerances.tolerances",
+    "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",
     "ToolpaceError": "common.errors",
@@ -236,7 +232,7 @@ _HOME = {
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
-    "Zone": "setup_search.zones",
+    "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
     "compensate_bending": "cutting.bending.compensated_program",
@@ -245,10 +241,10 @@ _HOME = {
     "load_tool": "cutting.tool_file",
     "plan": "planning.planner",
     "plan_program": "planning.program_plan",
-    "program_time": "controls.timing.program",
+    "program_time": "controls.timing.program_time",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
-    "read_set_points": "motion.set_point_files",
+    "read_set_points": "motion.files.set_point_files",
     "read_text": "programs.reading",
     "replan": "deflection.replanning.new_trajectory",
     "report": "results.report",

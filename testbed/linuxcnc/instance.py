@@ -101,7 +101,7 @@ def _no_bit_of_root() -> bool:
 def _own_shared_memory() -> list[str]:
     """What starts a command with System V shared memory of its own, where the kernel grants it; empty elsewhere.
 
-    LinuxCNC finds its segments by fixed keys: one that another user's LinuxCNC has left behind keeps ours from starting.
+    LinuxCNC finds its segments by fixed keys: one that another user has left behind keeps ours from starting.
     """
     root = os.geteuid() == 0
     command = ["unshare", "--ipc"] if root else ["unshare", "--user", "--map-current-user", "--ipc"]
@@ -121,7 +121,7 @@ def _without_rights(place: Path) -> list[str]:
 
 @contextlib.contextmanager
 def _alone() -> Iterator[None]:
-    """LinuxCNC's realtime core is one for the whole machine, as is its shared memory where the kernel separates none."""
+    """LinuxCNC's realtime core is one for the whole machine; so is its shared memory where the kernel divides none."""
     try:
         # another user's file in a folder of all users may be opened, but not with leave to create it
         handle = os.open(LOCK, os.O_RDONLY | (0 if LOCK.exists() else os.O_CREAT), 0o666)

@@ -54,7 +54,8 @@ def test_plan_writes_the_contract(planned):
 def test_plan_writes_the_files(planned):
     names = {path.name for path in (planned / "plan").iterdir()}
     assert names == {
-        "plan.json", "setpoints.npz", "trajectory.compact", "setpoints.csv", "report.html", "machine.toml", "controller.toml", "program.ngc"
+        "plan.json", "setpoints.npz", "trajectory.compact", "setpoints.csv", "report.html", "machine.toml",
+        "controller.toml", "program.ngc",
     }  # fmt: skip
     points = tp.SetPoints.load(planned / "plan" / "setpoints.npz")
     plan = json.loads((planned / "plan" / "plan.json").read_text())
@@ -251,7 +252,7 @@ import os, signal, sys, threading
 from contextlib import contextmanager
 from toolpace.cli import main
 from toolpace.cli.app import app
-from toolpace.cli.steps import Steps
+from toolpace.cli.console import Steps
 
 under_way, plain = threading.Event(), Steps.step
 

@@ -55,6 +55,8 @@ def test_the_optimum_is_that_of_plan_and_the_model_ideal_is_it(part, tmp_path, c
 def test_a_page_tells_operations_and_a_table_many_programs(part, capsys):
     page = printed(capsys, part, *MACHINE, "--model", "fir", "--no-optimum")
     assert "pulses of velocity" in page and "tool change" in page and "optimum" not in page
+    step = next(line for line in page.splitlines() if line.startswith("moves"))
+    assert f"{part}: 11 blocks" in step and page.count("moves  ") == 1
     table = printed(capsys, part, part, *MACHINE, "--model", "lookahead", "--no-optimum")
     assert table.count("part.ngc") >= 2 and "saving" not in table
 

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from toolpace.cli import demo_programs, main
-from toolpace.cli.tolerance.run import apart, drawn, round_values
+from toolpace.cli.commands.tolerance import apart, drawn, round_values
 from toolpace.results.write import read_plan
 
 

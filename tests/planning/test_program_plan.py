@@ -26,7 +26,7 @@ from toolpace.planning.path_and_pace import alternating, local_refit
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.path_and_pace.effort_settings import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 

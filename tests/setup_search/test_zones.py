@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from toolpace.setup_search.zones import Zone
+from toolpace.setup_search.choices import Zone
 
 JOINTS = ("X", "Y", "A")
 

@@ -15,9 +15,8 @@ from toolpace import study
 from toolpace.deflection import replanning
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.study import simulation
-from toolpace.study.errata import all_errata
 from toolpace.study.simulation import DEFLECTION, Study
-from toolpace.study.tables import comparison
+from toolpace.study.tables import all_errata, comparison
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ import numpy as np
 from toolpace.cli import main
 from toolpace.common.files.seal import KEY, write_seal
 from toolpace.machine.machine import Machine
-from toolpace.motion.compact_set_points import write_compact
-from toolpace.motion.set_point_files import read_set_points
+from toolpace.motion.files.compact_set_points import write_compact
+from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
 
 

@@ -21,13 +21,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Errors are one line on standard error. Where toolpace itself is at fault, TOOLPACE_DEBUG=1 shows where.
     """
-    from toolpace.cli.ending import ended_by, heard, in_words
-    from toolpace.cli.output import guarded
+    from toolpace.cli.process import ended_by, guarded, heard, in_words
     from toolpace.common.errors import UnitWarning
 
-    given = sys.argv[1:] if arguments is None else arguments
+    words = sys.argv[1:] if arguments is None else arguments
     # A hyphen alone would be taken for an option without a name.
-    tokens = ["/dev/stdin" if token == "-" else token for token in given]
+    tokens = ["/dev/stdin" if token == "-" else token for token in words]
     with guarded() as output, heard(), warnings.catch_warnings():
         if not sys.warnoptions:
             # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
@@ -59,8 +58,8 @@ def _in_one_line(
     from toolpace.common.errors import UnitWarning, printable
 
     text = printable(" ".join(str(message).split()))
-    asked = issubclass(category, UnitWarning)
-    shown = f"question: {text}" if asked else f"warning: {text} ({category.__name__}, {filename}:{lineno})"
+    is_question = issubclass(category, UnitWarning)
+    shown = f"question: {text}" if is_question else f"warning: {text} ({category.__name__}, {filename}:{lineno})"
     with contextlib.suppress(OSError, UnicodeError, ValueError, AttributeError):
         print(shown, file=sys.stderr, flush=True)
 
@@ -70,7 +69,7 @@ def _run(tokens: list[str]) -> int:
     from cyclopts import CycloptsError
 
     from toolpace.cli.app import app
-    from toolpace.cli.ending import ended_by
+    from toolpace.cli.process import ended_by
     from toolpace.common.errors import ToolpaceError
 
     try:

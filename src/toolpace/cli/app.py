@@ -1,4 +1,4 @@
-"""The commands and their `--help`."""
+"""The application of all commands, with their `--help`; short commands are carried out here."""
 
 from __future__ import annotations
 
@@ -6,13 +6,11 @@ from pathlib import Path
 
 from cyclopts import App
 
-from toolpace.cli import comparing, exporting, options
-from toolpace.cli.batch import command as many
-from toolpace.cli.follow import run as live
-from toolpace.cli.setup import command as placing
-from toolpace.cli.steps import Steps, new_console
-from toolpace.cli.tolerance import command as tolerance
-from toolpace.common.errors import UsageError
+from toolpace.cli import options
+from toolpace.cli.commands import batch, compare, export, follow, setup, tolerance
+from toolpace.cli.console import Steps, cells, new_console, new_table
+from toolpace.common.errors import UsageError, printable
+from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.common.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
@@ -118,7 +116,7 @@ def plan_command(
     return job.exit_code(record, verification)
 
 
-app.command(many.batch_command, name="batch", help_epilogue="")
+app.command(batch.batch_command, name="batch", help_epilogue="")
 
 
 @app.command(name="verify", help_epilogue="")
@@ -135,66 +133,22 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
 
         toolpace verify part-plan
     """
-    from toolpace.cli import folder, summary
+    from toolpace.cli import summary
+    from toolpace.cli.commands import verify
 
     console = new_console()
-    record, verification = folder.verify_folder(Path(directory), Steps(console), reading)
+    record, verification = verify.verify_folder(Path(directory), Steps(console), reading)
     summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
 
 
-app.command(comparing.compare_command, name="compare", help_epilogue="")
+app.command(compare.compare_command, name="compare", help_epilogue="")
 
 
-@app.command(name="export", help_epilogue="")
-def export_command(
-    directory: options.PlanFolder,
-    /,
-    *,
-    to: exporting.TargetName,
-    out: exporting.ExportOut = None,
-    target: exporting.TargetOptions = exporting.AS_USUAL,
-) -> int:
-    """Write a plan as files that a control loads: a table, streams for LinuxCNC, rows of a FIFO, or the program itself.
-
-    The files are read back and compared with the plan before the folder is put in
-    place. Each says at its head how to use it. What a target cannot hold is refused.
-    docs: from plan to machine.
-
-    For example:
-
-        toolpace export part-plan --to table --period 4ms --columns t,q,qd
-        toolpace export part-plan --to linuxcnc-g93 --out part-stream
-        toolpace export part-plan --to program --inverse-time
-    """
-    return exporting.run_export(directory, to, out, target)
+app.command(export.export_command, name="export", help_epilogue="")
 
 
-@app.command(name="follow", help_epilogue="")
-def follow_command(
-    law: live.LawFile,
-    /,
-    *,
-    backlog: live.Backlog = "20ms",
-    record: live.RecordFile = None,
-    name: live.ComponentName = "toolpace",
-    streamer: live.StreamerNumber = 0,
-) -> int:
-    """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
-
-    LAW is the file that Follower.save wrote. The component is not realtime: it
-    keeps the queue of HAL's streamer full, and the streamer gives one row to the
-    joints in each servo period. A measurement therefore reaches the joints one
-    backlog later. SIGTERM (unloadusr) or Ctrl-C ends the component, after a stop on
-    the path within the limits.
-    docs: from plan to machine.
-
-    For example:
-
-        toolpace follow part.law --backlog 10ms
-        toolpace follow part.law --record given.csv
-    """
-    return live.run_follow(law, backlog, record, name, streamer)
+app.command(follow.follow_command, name="follow", help_epilogue="")
 
 
 @app.command(name="inspect", help_epilogue="")
@@ -221,9 +175,9 @@ def inspect_command(
         toolpace inspect part.mpf -m my-mill.toml --write-setup setup.toml
         toolpace inspect first.nc second.nc --json
     """
-    from toolpace.cli import inspecting
+    from toolpace.cli.commands import inspect
 
-    return inspecting.run_inspect(programs, machine, dialect, feed, json, write_setup, reading)
+    return inspect.run_inspect(programs, machine, dialect, feed, json, write_setup, reading)
 
 
 @app.command(name="time", help_epilogue="")
@@ -257,12 +211,12 @@ def time_command(
         toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
     """
     from toolpace.cli import arguments
-    from toolpace.cli.time import fitting, run
-    from toolpace.jobs.timed import Asked
+    from toolpace.cli.commands import time
+    from toolpace.jobs.timed import TimeRequest
 
     within = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
-    asked = Asked(
+    request = TimeRequest(
         machine=on,
         options=how,
         model=arguments.control_model(model),
@@ -272,16 +226,16 @@ def time_command(
         optimum=not no_optimum,
     )
     if fit is not None:
-        return fitting.run_fit(programs, fit, asked, write_controller)
+        return time.run_fit(programs, fit, request, write_controller)
     if write_controller is not None:
         raise UsageError("--write-controller goes with --fit LOG.csv: figures come from a log")
-    return run.run_time(programs, asked, json)
+    return time.run_time(programs, request, json)
 
 
 app.command(tolerance.tolerance_command, name="tolerance", help_epilogue="")
 
 
-app.command(placing.setup_command, name="setup", help_epilogue="")
+app.command(setup.setup_command, name="setup", help_epilogue="")
 
 
 @app.command(name="controllers", help_epilogue="")
@@ -293,11 +247,6 @@ def controllers_command(name: options.OneController = None, /, *, toml: options.
         toolpace controllers
         toolpace controllers fanuc --toml > my-control.toml
     """
-    from rich.box import SIMPLE
-    from rich.table import Table
-    from rich.text import Text
-
-    from toolpace.common.errors import UsageError, printable
     from toolpace.programs.reading.controllers.controller import Controller
 
     if toml:
@@ -305,13 +254,11 @@ def controllers_command(name: options.OneController = None, /, *, toml: options.
             raise UsageError("--toml needs the name of one controller: toolpace controllers fanuc --toml")
         print(Controller.text_of(name), end="")
         return 0
-    table = Table(box=SIMPLE, pad_edge=False)
-    for heading in ("controller", "language", "note"):
-        table.add_column(heading, overflow="fold")
+    headings = ("controller", "language", "note")
+    table = new_table(headings, left=headings)
     for each in Controller.names() if name is None else (name,):
         controller = Controller.load(each)
-        cells = (controller.name, controller.language, controller.note)
-        table.add_row(*(Text(printable(cell)) for cell in cells))
+        table.add_row(*cells([controller.name, controller.language, controller.note]))
     new_console().print(table)
     return 0
 
@@ -354,14 +301,41 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
 
     The program is written beside the plan, as program.ngc.
     """
-    from toolpace.cli import arguments, folder
+    from toolpace.cli import arguments, demo_programs, summary
+    from toolpace.jobs import job
+    from toolpace.machine.machine import Machine
+    from toolpace.programs.reading import Source
+    from toolpace.results import write
 
-    return folder.run_demo(arguments.folder_for_results(out), new_console())
+    place = arguments.folder_for_results(out)
+    machine = Machine.load(demo_programs.MACHINE)
+    console = new_console()
+    steps = Steps(console)
+    job.warm_up(steps)
+    with steps.step("generating") as step:
+        source = Source.from_bytes(demo_programs.impeller_program(machine).encode("ascii"), "impeller.ngc")
+        step.note = "the program of an impeller, seven blades"
+    task = job.Job(Path(source.name), machine, place, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
+    record, verification = job.carry_out(task, steps)
+    summary.show_plan(console, record, verification)
+    summary.show_files(console, place, job.written(task, record), record)
+    report = (place / write.REPORT).resolve()
+    console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
+    return job.exit_code(record, verification)
 
 
 @app.command(name="study", help_epilogue="")
 def study_command(*, out: options.Results = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
-    from toolpace.cli import arguments, folder
+    from toolpace import study
+    from toolpace.cli import arguments
+    from toolpace.jobs import job
 
-    return folder.run_study(arguments.folder_for_results(out), new_console())
+    place = arguments.folder_for_results(out)
+    console = new_console()
+    steps = Steps(console)
+    job.warm_up(steps)
+    with steps.step("studying") as step:
+        study.write_study(place, step)
+    console.print(f"Open the study in a browser:\n{printable(str((place / 'study.html').resolve()))}", soft_wrap=True)
+    return 0

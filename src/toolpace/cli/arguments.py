@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
+
+NEGATIVE = re.compile(r"-[0-9.]")
+"""How a negative number begins, that was taken for an option."""
 
 
 def planner_named(name: str) -> str:
@@ -63,10 +66,6 @@ def machine_with_setup(machine: Machine, reading: Reading) -> tuple[Machine, Rea
     return (machine.mounted(**how.setup.part) if how.setup.part else machine), how
 
 
-NEGATIVE = re.compile(r"-[0-9.]")
-"""How a negative number begins, that was taken for an option."""
-
-
 def one_machine(name: str | None, toml: bool, poses: bool) -> str:
     """The machine whose file (`toml`) or whose poses are to be printed: one machine, and one of both."""
     if toml and poses:
@@ -77,33 +76,37 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
     return name
 
 
-def tolerances(given: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
+def tolerances(typed: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
     from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
-    from toolpace.programs.tolerances.tolerances import SIDES, Tolerances
+    from toolpace.programs.tolerances import SIDES, Tolerances
 
-    def metres(text: str) -> float:
-        value = _parsed("--tip-tolerance", units.parse_length, text)
-        if not value > 0.0:
-            raise UsageError(
-                f"--tip-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.001mm"
-            )
-        return _within("--tip-tolerance", text, value, TIP_TOLERANCES, units.format_length)
-
-    def radians(text: str) -> float:
-        value = _parsed("--axis-tolerance", units.parse_angle, text)
-        if not value > 0.0:
-            raise UsageError(
-                f"--axis-tolerance {text}: a curve needs room to be smooth; give more than zero, like 0.01deg"
-            )
-        return _within("--axis-tolerance", text, value, AXIS_TOLERANCES, units.format_angle)
-
-    words = given.tip_tolerance if given.side == "both" else f"{given.tip_tolerance},{given.side}"
-    if given.side not in SIDES:
-        raise UsageError(f"--side {given.side[:40]}: {did_you_mean(given.side, SIDES)}")
+    metres = _above_zero("--tip-tolerance", units.parse_length, TIP_TOLERANCES, units.format_length, "0.001mm")
+    radians = _above_zero("--axis-tolerance", units.parse_angle, AXIS_TOLERANCES, units.format_angle, "0.01deg")
+    words = typed.tip_tolerance if typed.side == "both" else f"{typed.tip_tolerance},{typed.side}"
+    if typed.side not in SIDES:
+        raise UsageError(f"--side {typed.side[:40]}: {did_you_mean(typed.side, SIDES)}")
     of_tip = Tolerances.parse(words, metres, metres(TIP_TOLERANCE))
-    of_axis = Tolerances.parse(given.axis_tolerance, radians, radians(AXIS_TOLERANCE))
+    of_axis = Tolerances.parse(typed.axis_tolerance, radians, radians(AXIS_TOLERANCE))
     return of_tip.default if of_tip.everywhere else of_tip, of_axis.default if of_axis.everywhere else of_axis
+
+
+def _above_zero(
+    option: str,
+    parse: Callable[[str], float],
+    bounds: tuple[float, float],
+    show: Callable[[float], str],
+    example: str,
+) -> Callable[[str], float]:
+    """Reads the tolerances of an option, which must be within bounds."""
+
+    def tolerance(text: str) -> float:
+        value = _parsed(option, parse, text)
+        if not value > 0.0:
+            raise UsageError(f"{option} {text}: a curve needs room to be smooth; give more than zero, like {example}")
+        return _within(option, text, value, bounds, show)
+
+    return tolerance
 
 
 def _parsed(option: str, quantity: Callable[[str], float], text: str) -> float:
@@ -114,10 +117,10 @@ def _parsed(option: str, quantity: Callable[[str], float], text: str) -> float:
         raise UsageError(f"{option}: {error}") from None
 
 
-def even_tolerances(given: TypedTolerances) -> tuple[float, float]:
+def even_tolerances(typed: TypedTolerances) -> tuple[float, float]:
     """Both tolerances [m], [rad], each the same everywhere. Raises UsageError."""
-    tip, axis = tolerances(given)
-    options = ("--tip-tolerance", given.tip_tolerance, tip), ("--axis-tolerance", given.axis_tolerance, axis)
+    tip, axis = tolerances(typed)
+    options = ("--tip-tolerance", typed.tip_tolerance, tip), ("--axis-tolerance", typed.axis_tolerance, axis)
     for option, text, found in options:
         if not isinstance(found, float):
             raise UsageError(
@@ -132,10 +135,7 @@ def tip_tolerances(text: str) -> list[float]:
     """Tolerances of the tip [m], between commas."""
     found = []
     for part in text.split(","):
-        try:
-            metres = units.parse_length(part.strip())
-        except UsageError as error:
-            raise UsageError(f"--tips: {error}") from None
+        metres = _parsed("--tips", units.parse_length, part.strip())
         found.append(_within("--tips", part.strip(), metres, TIP_TOLERANCES, units.format_length))
     return found
 
@@ -156,17 +156,14 @@ def tool_named(path: str | None) -> CuttingTool | None:
 
 def form_of_set_points(text: str) -> str:
     """How set-points are written: full, compact, auto or no."""
-    from toolpace.motion.set_point_files import form_named
+    from toolpace.motion.files.set_point_files import form_named
 
     return form_named("--npz", text)
 
 
 def time_given(option: str, text: str) -> float:
     """A time [s], named by its option where it is wrong."""
-    try:
-        return units.parse_time(text)
-    except UsageError as error:
-        raise UsageError(f"{option}: {error}") from None
+    return _parsed(option, units.parse_time, text)
 
 
 def _within(option: str, text: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> float:
@@ -240,10 +237,10 @@ def explain(error: CycloptsError, tokens: Sequence[str]) -> str:
         text = f"too many arguments: {' '.join(error.unused_tokens or ())}"
     elif isinstance(error, MissingArgumentError):
         argument = error.argument.name if error.argument is not None else ""
-        given = argument in tokens
-        name = argument if given or argument not in ("--program", "--directory") else argument[2:].upper()
-        text = f"{name} needs a value" if given else f"{name} is missing"
-        value = tokens[tokens.index(argument) + 1 :][:1] if given else []
+        is_named = argument in tokens
+        name = argument if is_named or argument not in ("--program", "--directory") else argument[2:].upper()
+        text = f"{name} needs a value" if is_named else f"{name} is missing"
+        value = tokens[tokens.index(argument) + 1 :][:1] if is_named else []
         if value and NEGATIVE.match(value[0]):
             text = f"{name} {value[0]} is negative; give a value above zero, like {value[0].lstrip('-')}"
     return f"{text}; {cure}"

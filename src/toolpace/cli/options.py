@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from toolpace.common.errors import UsageError
+
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions
@@ -206,11 +208,6 @@ class Reading:
             self.units,
         )
 
-    @property
-    def given(self) -> bool:
-        """Whether any was."""
-        return self != Reading()
-
 
 USUAL_FILES = Files()
 AS_WRITTEN = Reading()
@@ -266,3 +263,32 @@ FitLog = Annotated[
 WriteController = Annotated[
     str | None, Parameter(help="With --fit: write the controller's file with these figures; by default it is printed.")
 ]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Where:
+    """Where work of many parts runs: on a cluster, or in processes of this computer."""
+
+    cluster: Annotated[
+        str | None,
+        Parameter(
+            help="Address of a dask scheduler, like tcp://10.0.0.5:8786; by default workers are started on this"
+            " computer."
+        ),
+    ] = None
+    workers: Annotated[
+        int | None,
+        Parameter(help="Workers to start on this computer; by default one for each core; 0: this process alone."),
+    ] = None
+
+    def client(self) -> str | int | None:
+        """The one that was given, as `open_pool` takes it. Raises UsageError."""
+        if self.cluster is not None and self.workers is not None:
+            raise UsageError("--cluster and --workers: one of them; a cluster has the workers that it has")
+        if self.workers is not None and self.workers < 0:
+            raise UsageError(f"--workers {self.workers}: give 1 or more, or 0 for this process")
+        return self.cluster if self.cluster is not None else self.workers
+
+
+HERE = Where()

@@ -1,20 +1,20 @@
-"""The summary table of a plan."""
+"""Plans, verifications and machines as tables on the terminal."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from toolpace.cli.console import cells, new_table
 from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
-from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
+from toolpace.motion.files.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
-from toolpace.results.report.words import mesh_gap, motion_gap
+from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 LEAST_GAIN = 5e-4
 """Share of the duration from which the iterations count as a saving."""
-WORTH_A_WORD = 1e-3
-"""Gap from which its largest parts are located."""
 PLACES_SHOWN = 3
 """How many of these places are named."""
 SHOWN = 6
@@ -61,19 +59,19 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     else:
         grid.add_row("", f"gap to the best possible not known: the planner {record.planner} gives no lower bound")
     if record.operations:
-        for k, told in enumerate(times_in_words(record)):
-            grid.add_row("" if k else "operations", Text(told))
+        for k, sentence in enumerate(times_in_words(record)):
+            grid.add_row("" if k else "operations", Text(sentence))
     for k, sentence in enumerate(record.assumed[:SENTENCES]):
         grid.add_row("" if k else "assumed", Text(sentence))
     if len(record.assumed) > SENTENCES:
         grid.add_row("", f"and {len(record.assumed) - SENTENCES} more: see plan.json")
     grid.add_row("limited by", Text(limits_in_words(record.limited_by)))
     if record.tip_deviation_mm is not None:
-        told = _within(record.tip_deviation_mm, record.tip_tolerance_mm, MILLIMETRE, format_length)
-        grid.add_row("tip", Text(told + near_in_words(record.tip_at_tolerance)))
+        deviation = _within(record.tip_deviation_mm, record.tip_tolerance_mm, MILLIMETRE, format_length)
+        grid.add_row("tip", Text(deviation + near_in_words(record.tip_at_tolerance)))
     if record.axis_deviation_deg is not None:
-        told = _within(record.axis_deviation_deg, record.axis_tolerance_deg, DEGREE, format_angle)
-        grid.add_row("tool axis", Text(told + near_in_words(record.axis_at_tolerance)))
+        deviation = _within(record.axis_deviation_deg, record.axis_tolerance_deg, DEGREE, format_angle)
+        grid.add_row("tool axis", Text(deviation + near_in_words(record.axis_at_tolerance)))
     if record.rounds:
         grid.add_row("effort", Text(rounds_in_words(record)))
     if record.bending is not None:
@@ -99,9 +97,9 @@ def times_in_words(record: PlanRecord) -> list[str]:
     several = record.operations if len(record.operations) > 1 else []
     for each in several[:SENTENCES]:
         parts = (("cutting", each.cutting_s), ("rapid", each.rapid_s), ("dwell", each.dwell_s))
-        told = ", ".join(f"{name} {format_time(seconds)}" for name, seconds in parts if seconds)
+        times = ", ".join(f"{name} {format_time(seconds)}" for name, seconds in parts if seconds)
         name = " ".join(word for word in (each.name, f"tool {each.tool}" if each.tool else "") if word) or "before"
-        lines.append(f"{name}: {format_time(each.time_s)} ({told})")
+        lines.append(f"{name}: {format_time(each.time_s)} ({times})")
     more = len(several) - SENTENCES
     return lines + ([f"and {more} more: see plan.json"] if more > 0 else [])
 
@@ -188,16 +186,16 @@ def _within(value: float, tolerance: float | None, scale: float, show: Callable[
 
 def verdict(record: PlanRecord, verification: Verification) -> Text:
     """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
-    asked = f"within {printable(asked_for(record))}"
+    within = f"within {printable(asked_for(record))}"
     wide = wider_than_default(record)
     warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
     if verification.ok:
         count = len(verification.checks)
         points = f"{verification.set_points} set-points at {format_time(verification.dt)}"
-        return Text.assemble(("VERIFIED", "bold green"), f"  {asked}; {count} checks on {points}", warning)
+        return Text.assemble(("VERIFIED", "bold green"), f"  {within}; {count} checks on {points}", warning)
     found = verification.findings
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    return Text.assemble(("FAILED", "bold red"), f"  {printable(str(found[0]))}{more}; judged {asked}", warning)
+    return Text.assemble(("FAILED", "bold red"), f"  {printable(str(found[0]))}{more}; judged {within}", warning)
 
 
 def asked_for(record: PlanRecord) -> str:
@@ -208,8 +206,8 @@ def asked_for(record: PlanRecord) -> str:
             ("tip", record.tip_tolerance_mm, "mm", record.tip_tolerances),
             ("axis", record.axis_tolerance_deg, "deg", record.axis_tolerances),
         ):
-            told = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
-            words.append(f"{part} {places}" if places else told)
+            tolerance = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
+            words.append(f"{part} {places}" if places else tolerance)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
     else:
         words.append("limits of the machine alone, no program")
@@ -241,15 +239,12 @@ def wider_than_default(record: PlanRecord) -> str:
 
 def show_verification(console: Console, record: PlanRecord, verification: Verification) -> None:
     """Every check, one a row, what was not checked, and the verdict."""
-    table = Table(box=SIMPLE, pad_edge=False)
-    for name in ("check", "worst", "allowed", "where", ""):
-        table.add_column(name, justify="right" if name in ("worst", "allowed") else "left", overflow="fold")
-    for check, worst, limit, where, verdict_ in verification.rows():
-        style = "" if verdict_ == "ok" else "bold red"
-        table.add_row(*(Text(printable(cell), style=style) for cell in (check, worst, limit, where, verdict_)))
+    table = new_table(("check", "worst", "allowed", "where", ""), left=("check", "where", ""))
+    for row in verification.rows():
+        table.add_row(*cells(row, "" if row[-1] == "ok" else "bold red"))
     console.print(table)
-    known = ", ".join(AS_SAID)
-    console.print(f"taken from the planner, checked against the other figures only: {known}", soft_wrap=True)
+    unchecked = ", ".join(AS_SAID)
+    console.print(f"taken from the planner, checked against the other figures only: {unchecked}", soft_wrap=True)
     console.print("not checked: report.html", soft_wrap=True)
     console.print(verdict(record, verification), soft_wrap=True)
 
@@ -257,12 +252,10 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     _head(console, machine)
-    table = Table(box=SIMPLE, pad_edge=False)
-    keys = ("joint", "travel", "velocity", "acceleration", "jerk")
-    for key in keys:
-        table.add_column(key, justify="left" if key == "joint" else "right", overflow="fold")
+    headings = ("joint", "travel", "velocity", "acceleration", "jerk")
+    table = new_table(headings, left=("joint",))
     for row in machine.summary():
-        table.add_row(*(Text(printable(row[key])) for key in keys))
+        table.add_row(*cells(row[heading] for heading in headings))
     console.print(table)
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from toolpace.common.description import counted
 from toolpace.common.units import format_length, format_time
 from toolpace.common.workers import Workers
-from toolpace.jobs.steps import TimedSteps
+from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.programs.reading import Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult
 
@@ -72,7 +72,7 @@ class Job:
     csv: bool = False
     report: bool = True
     npz: str = "auto"
-    """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
+    """How set-points are written: "full", "compact", "auto" or "no" (motion/files/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
     source: Source | None = None
@@ -81,7 +81,7 @@ class Job:
 
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
     from toolpace.results import write
 
     job = loaded(job)
@@ -89,8 +89,11 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     toolpath = read_program(job, steps)
     refuse_without_room(job, toolpath.least_duration, "the feeds of the program alone take")
     with with_cure_of_zero(toolpath.assumed):
-        aimed = aimed_off(job, steps, toolpath)
-        planned = plan_motion(job, steps, fit_path(job, steps, toolpath)) if aimed is None else program_plan_of(aimed)
+        compensation = compensated_for_bending(job, steps, toolpath)
+        if compensation is None:
+            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
+        else:
+            planned = program_plan_of(compensation)
         trajectory = with_proof(job, steps, planned.trajectory)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
@@ -112,7 +115,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         options=job.options,
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
-        aimed=aimed,
+        aimed=compensation,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -123,7 +126,7 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
     """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
     from toolpace.common.errors import UsageError
     from toolpace.common.files import free_disk
-    from toolpace.motion.set_point_files import form_of, full_size, size_of
+    from toolpace.motion.files.set_point_files import form_of, full_size, size_of
     from toolpace.motion.setpoints import refuse_too_many
 
     joints = len(job.machine.joints)
@@ -196,14 +199,14 @@ def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPl
     return planned
 
 
-def program_plan_of(aimed: BendingCompensation) -> ProgramPlan:
+def program_plan_of(compensation: BendingCompensation) -> ProgramPlan:
     """A program compensated for the bending, with its path fitted once in each iteration."""
     from toolpace.planning.program_plan import ProgramPlan
 
-    return ProgramPlan(aimed.path, aimed.trajectory, "low", ())
+    return ProgramPlan(compensation.path, compensation.trajectory, "low", ())
 
 
-def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> BendingCompensation | None:
+def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> BendingCompensation | None:
     """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
@@ -212,13 +215,14 @@ def aimed_off(job: Job, steps: TimedSteps, toolpath: ToolPath) -> BendingCompens
 
     refuse_coarse(toolpath, job.tool, job.dt)
     with steps.step("compensating") as step:
-        aimed = compensate_bending(
+        compensation = compensate_bending(
             toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
         )
-        check_travel(aimed.trajectory.axis_path, program_name(job))
-        aimed = replace(aimed, trajectory=with_cheap_bound(job, aimed.trajectory))
-        step.note = f"the tool bends by at most {format_length(aimed.largest)}, {counted(aimed.rounds, 'iteration')}"
-    return aimed
+        check_travel(compensation.trajectory.axis_path, program_name(job))
+        compensation = replace(compensation, trajectory=with_cheap_bound(job, compensation.trajectory))
+        iterations = counted(compensation.rounds, "iteration")
+        step.note = f"the tool bends by at most {format_length(compensation.largest)}, {iterations}"
+    return compensation
 
 
 def program_name(job: Job) -> str:

@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import ToolpaceError, printable
-from toolpace.jobs import job
-from toolpace.jobs.steps import TimedSteps
+from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.machine.machine import Machine
     from toolpace.motion.operation_times import OperationTime
     from toolpace.programs.reading import ReadOptions, Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
 
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
 """What time goes to."""
@@ -35,12 +34,12 @@ class Timed:
     best: tuple[OperationTime, ...] = ()
     """The parts of the optimum."""
     optimum: float | None = None
-    """[s], with the tool changes; None where it was not asked for."""
+    """[s], with the tool changes; None where it was not wanted."""
     assumed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Asked:
+class TimeRequest:
     """What all programs of one call have in common."""
 
     machine: Machine
@@ -54,48 +53,47 @@ class Asked:
     optimum: bool
 
 
-def timed_or_wrong(program: str, asked: Asked, steps: TimedSteps) -> Timed:
+def timed_or_wrong(program: str, request: TimeRequest, steps: TimedSteps) -> Timed:
     """The time of one program, or what is wrong with it."""
     try:
-        return timed(program, asked, steps)
+        return timed(program, request, steps)
     except ToolpaceError as error:
         return Timed(program, str(error))
 
 
-def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None = None) -> Timed:
+def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source | None = None) -> Timed:
     """The time of one program, which may have been loaded before.
 
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
-    from toolpace.controls.timing.program import figures_for, moves_of
-    from toolpace.controls.timing.program_time import of_operations, time_of_moves
-    from toolpace.jobs.following import follow_as_planned
+    from toolpace.controls.timing.program_time import figures_for, moves_of, of_operations, time_of_moves
+    from toolpace.jobs.inspection import follow_as_planned
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     source = source if source is not None else Source.load(program)
-    options, found = with_controller(source, asked.dialect, asked.options)
-    figures, findings = figures_for(options, asked.model), Findings()
-    with steps.step("moves", program) as step:
-        moves = moves_of(source, asked.machine, options, asked.feed, asked.dialect, findings)
-        step.note = f"{moves.blocks} blocks, {len(moves)} moves"
+    options, found = with_controller(source, request.dialect, request.options)
+    figures, findings = figures_for(options, request.model), Findings()
+    with steps.step("moves") as step:
+        moves = moves_of(source, request.machine, options, request.feed, request.dialect, findings)
+        step.note = f"{program}: {moves.blocks} blocks, {len(moves)} moves"
     best: tuple[OperationTime, ...] = ()
-    planned = asked.optimum or figures.model == "ideal"
+    planned = request.optimum or figures.model == "ideal"
     waits_only = len(moves) < 2
     if not waits_only:
-        task = planned_job(source, replace(asked, options=options))
+        task = planned_job(source, replace(request, options=options))
         if planned:
             best = optimum_of(task, steps)
         else:
             toolpath = job.read_program(task, steps)
             with with_cure_of_zero(toolpath.assumed):
-                follow_as_planned(asked.machine, toolpath)
+                follow_as_planned(request.machine, toolpath)
     change = options.setup.tool_change
     if figures.model == "ideal" and not waits_only:
         time = of_operations(best, moves, change)
     else:
-        time = time_of_moves(moves, asked.machine, figures, change)
+        time = time_of_moves(moves, request.machine, figures, change)
     least = sum(each.time for each in best) + time.sum("tool_change") if best else None
     return Timed(
         program,
@@ -109,19 +107,19 @@ def timed(program: str, asked: Asked, steps: TimedSteps, source: Source | None =
     )
 
 
-def planned_job(source: Source, asked: Asked) -> job.Job:
+def planned_job(source: Source, request: TimeRequest) -> job.Job:
     """The program as `plan` would have it, without a place for the results."""
-    tip, axis = asked.tolerances
+    tip, axis = request.tolerances
     return job.Job(
-        program=Path(source.name), machine=asked.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
-        feed=asked.feed, dialect=asked.dialect, options=asked.options, source=source,
+        program=Path(source.name), machine=request.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
+        feed=request.feed, dialect=request.dialect, options=request.options, source=source,
     )  # fmt: skip
 
 
 def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
     from toolpace.motion.operation_times import operation_times
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)

@@ -20,7 +20,7 @@ from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 GRACE = 1e-3

@@ -9,6 +9,9 @@ once, in one line on standard error.
 The folder lies in TOOLPACE_CACHE, XDG_CACHE_HOME or ~/.cache, the first of them that can be used. One that is complete
 need not be writable: it may be made once for all users of a machine. Folders of other sources, unused for a month, are
 removed when a new one is complete.
+
+A wheel brings such folders with it, one for each baseline of the processor (`tools/wheel.py`). The fastest that fits is
+read where the user's own folder lacks a kernel, and nothing is written there.
 """
 
 from __future__ import annotations
@@ -29,8 +32,9 @@ from pathlib import Path
 import llvmlite
 import numba
 import numpy as np
-from llvmlite import binding
 from numba.core import config
+
+from toolpace.kernels.baseline import baselines, processor, usable
 
 COMPLETE = "complete"
 """A file that lists the others with their sizes: all kernels of a first run are there."""
@@ -43,11 +47,25 @@ ABANDONED = 3600.0
 """Age from which nobody is writing a file any more [s]."""
 
 
-def key() -> str:
-    """Hash of all that the machine code depends on: kernels, compiler, interpreter, processor, settings."""
-    settings = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "ENABLE_AVX", "CPU_NAME", "CPU_FEATURES")
-    parts = [numba.__version__, llvmlite.__version__, np.__version__, sys.version, platform.machine(), sys.platform]
-    parts += [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
+BUILT = Path(__file__).parent / "built"
+"""Where a wheel has its compiled kernels: a folder for each baseline; there is none beside sources."""
+VERSIONS = "versions"
+"""A file in each of these: one line a version that they were compiled with, then the key."""
+
+
+def versions() -> str:
+    """What compiles kernels here, in one line."""
+    python = f"{platform.python_implementation()} {platform.python_version()}"
+    return f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, NumPy {np.__version__}, {python}"
+
+
+def key(target: str | None = None) -> str:
+    """Hash of all that the machine code depends on: kernels, compiler, interpreter, processor, settings.
+
+    target: the processor, name and features; the one of this process where it is None.
+    """
+    settings = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "ENABLE_AVX")
+    parts = [versions(), platform.machine(), sys.platform, processor() if target is None else target]
     parts += [str(getattr(config, setting, None)) for setting in settings]
     digest = hashlib.sha256("\n".join(parts).encode())
     home = Path(__file__).parent
@@ -60,25 +78,26 @@ def key() -> str:
 class Store:
     """A folder of compiled kernels; without one, nothing is found and nothing kept."""
 
-    def __init__(self, folder: Path | None, kept: bool = True) -> None:
-        """Take the folder, and whether it outlives this process."""
-        self.folder, self.kept = folder, kept
+    def __init__(self, folder: Path | None, kept: bool = True, built: Store | None = None) -> None:
+        """Take the folder, whether it outlives this process, and one of a wheel to read what this one lacks."""
+        self.folder, self.kept, self.built = folder, kept, built
         self.writable = folder is not None
 
     def load(self, file: str) -> bytes | None:
-        """What was saved under a name; None where nothing was, or where it is not whole."""
+        """What was saved under a name, here or in the wheel; None where nothing was, or where it is not whole."""
+        missing = self.built.load(file) if self.built else None
         if self.folder is None:
-            return None
+            return missing
         try:
             content = (self.folder / file).read_bytes()
         except FileNotFoundError:
-            return None
+            return missing
         except OSError as error:
             self.damaged(file, reason(error))
-            return None
+            return missing
         if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
             self.damaged(file, "damaged")
-            return None
+            return missing
         return content[DIGEST:]
 
     def save(self, file: str, data: bytes) -> None:
@@ -113,7 +132,9 @@ class Store:
             return {}
 
     def complete(self) -> bool:
-        """Whether all that `mark_complete` found is there still."""
+        """Whether all that `mark_complete` found is there still, here or in the wheel."""
+        if self.built and self.built.complete():
+            return True
         if self.folder is None:
             return False
         try:
@@ -157,9 +178,9 @@ def _is_unused(folder: Path) -> bool:
 @functools.cache
 def store() -> Store:
     """The folder that this process takes, chosen when the first kernel is called for."""
-    name, failed = key(), ""
+    name, failed, of_wheel = key(), "", built_store()
     for base in bases():
-        found = Store(base / "toolpace" / name)
+        found = Store(base / "toolpace" / name, built=of_wheel)
         why = "" if found.complete() else _why_unusable(base / "toolpace" / name)
         if not why:
             if failed:
@@ -170,9 +191,37 @@ def store() -> Store:
     try:
         base = Path(tempfile.mkdtemp(prefix="toolpace-"))
     except OSError:
-        return Store(None, kept=False)
+        return Store(None, kept=False, built=of_wheel)
     atexit.register(_remove, base, os.getpid())
-    return Store(base / "toolpace" / name, kept=False)
+    return Store(base / "toolpace" / name, kept=False, built=of_wheel)
+
+
+def built_store() -> Store | None:
+    """The kernels of the wheel that was installed, if they are of these sources and versions and may run here."""
+    if not BUILT.is_dir():
+        return None
+    compiled_with = ""
+    for name in usable():
+        try:
+            compiled_with, of = (BUILT / name / VERSIONS).read_text("ascii").split("\n")[:2]
+        except (OSError, ValueError):
+            continue
+        if of == key(f"{name} {baselines()[name]}"):
+            return Store(BUILT / name)
+    why = f"for {compiled_with}; here is {versions()}" if compiled_with else "for no processor such as this one"
+    warn(f"the compiled kernels of this installation are {why}; compiled anew")
+    return None
+
+
+def write_built(folder: Path) -> None:
+    """Copy the folder of this process, complete, to where a wheel is made of it. Raises OSError."""
+    kept = store()
+    if kept.folder is None or not kept.complete():
+        raise OSError("the kernels are not all compiled")
+    folder.mkdir(parents=True)
+    for name in (COMPLETE, *kept.files()):
+        shutil.copyfile(kept.folder / name, folder / name)
+    (folder / VERSIONS).write_text(f"{versions()}\n{kept.folder.name}\n", "ascii")
 
 
 def bases() -> list[Path]:

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.set_point_files import read_set_points
+from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
 from toolpace.motion.laws.law import TimeLaw
 from toolpace.motion.recorded_path import recorded_path
-from toolpace.motion.set_point_files import read_set_points
-from toolpace.motion.trajectory_file import TRAJECTORY, read_trajectory
 from toolpace.path.axispath.axispath import AxisPath
 from toolpace.programs.toolpath import ToolPath
 

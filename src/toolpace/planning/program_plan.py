@@ -41,7 +41,7 @@ from toolpace.planning.path_and_pace.alternating import (
 )
 from toolpace.planning.path_and_pace.candidate_evaluation import FULL, FullEvaluation
 from toolpace.planning.planner import Planner, plan, planner_of
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 if TYPE_CHECKING:

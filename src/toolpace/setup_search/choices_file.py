@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from toolpace.common.files.tables import TableFile
-from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits
-from toolpace.setup_search.choices import Choice, Choices
-from toolpace.setup_search.zones import Zone, is_angle
+from toolpace.programs.reading.setup_file import ANGLES, LENGTHS, TablesInUnits
+from toolpace.setup_search.choices import Choice, Choices, Zone, is_angle
 
 FILE = TableFile("file of choices", longest=100_000)
 MOST = 100
@@ -44,10 +43,10 @@ class _File(TablesInUnits):
     def read(self) -> Choices:
         choose = self.table("choose")
         self.known("[choose]", choose, KEYS)
-        given: dict[str, Any] = {key: self.choice(key, value) for key, value in choose.items() if key != "solution"}
+        chosen: dict[str, Any] = {key: self.choice(key, value) for key, value in choose.items() if key != "solution"}
         if "solution" in choose:
-            given["side"] = self.solution(choose["solution"])
-        return Choices(**given, forbidden=self.zones(), source=self.source)
+            chosen["side"] = self.solution(choose["solution"])
+        return Choices(**chosen, forbidden=self.zones(), source=self.source)
 
     def choice(self, key: str, value: object) -> Choice:
         """One value, a list, or a range."""

@@ -63,9 +63,9 @@ class Clamping:
         middle = numbers(centre, "clamping: centre", (3,), unit="m")
         chain = machine.file.chain
         if not self.leaves_part:
-            given = orientation(chain.workpiece_x, chain.workpiece_z)
-            turned = self.rotation @ given
-            origin = np.array(chain.workpiece_origin) + given @ middle + np.array(self.shift) - turned @ middle
+            present = orientation(chain.workpiece_x, chain.workpiece_z)
+            turned = self.rotation @ present
+            origin = np.array(chain.workpiece_origin) + present @ middle + np.array(self.shift) - turned @ middle
             machine = machine.mounted(_vector(origin), _vector(turned[:, 0]), _vector(turned[:, 2]))
         if self.tool_length is not None and self.tool_length != chain.tool_length:
             machine = machine.with_tool(self.tool_length)

@@ -30,10 +30,8 @@ from toolpace.machine.machine import Machine, check_machine
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 from toolpace.setup_search.choices import Choices
 from toolpace.setup_search.clamping import AS_GIVEN, Clamping
-from toolpace.setup_search.place_map import map_places
-from toolpace.setup_search.search_result import FoundSetUp
+from toolpace.setup_search.found_set_up import FoundSetUp, PlannedSetUp, confirmed, given_as_written, map_places
 from toolpace.setup_search.trial import BEYOND, FORBIDDEN, Task, Trial, as_tips_and_axes, centre_of, tried
-from toolpace.setup_search.verified_set_up import PlannedSetUp, confirmed, given_as_written
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -47,8 +45,8 @@ ABOUT = 0.06
 TURNS = ("turn", "tilt", "swing")
 NEARER, AS_GOOD = (0.5, 0.0), 1e-3
 """Shares of the way from where the part is that are tried at the end; by which share longer is as fast."""
-SHOWN = 10
-"""Set-ups that are planned in full, and returned."""
+SHOWN, MOST_SHOWN = 10, 1000
+"""Set-ups that are planned in full, and returned: where no number is given, and at most."""
 TRIALS = 200
 FEWEST = 20
 """Trials, where no number is given, and at least."""
@@ -95,24 +93,24 @@ def search_setup(
     task = Task(
         free, machine, centre_of(free), choices.box(), tip_tolerance, axis_tolerance, choices.checked(machine).forbidden
     )
-    told = CallersProgress(progress)
+    share_done = CallersProgress(progress)
     with open_pool(client) as pool:
-        search = Search(task, choices, pool, trials, told.part(0.0, SEARCHED))
+        search = Search(task, choices, pool, trials, share_done.part(0.0, SEARCHED))
         search.run(seed)
-        given, why = as_it_is(task, toolpath)
+        present, why = as_it_is(task, toolpath)
         chosen = diverse_ones(search.best(), list(search.trials.values()), shown)
-        best, faults = planned_in_full(task, pool, chosen, told.part(SEARCHED, CONFIRMED))
-        if given is not None:
-            best = [*(each for each in best if each.duration < given.duration), given]
+        best, faults = planned_in_full(task, pool, chosen, share_done.part(SEARCHED, CONFIRMED))
+        if present is not None:
+            best = [*(each for each in best if each.duration < present.duration), present]
         best = ranked(best)
         if not best:
             raise none_fits(search.trials, task, faults, why)
         places = None
         if mapped:
-            places = map_places(task, choices, pool, best[0], mapped, told.part(CONFIRMED, 1.0))
-    told(1.0)
+            places = map_places(task, choices, pool, best[0], mapped, share_done.part(CONFIRMED, 1.0))
+    share_done(1.0)
     return FoundSetUp(
-        toolpath, tuple(best[:shown]), given, why, places, len(search.trials), seed, time.perf_counter() - began
+        toolpath, tuple(best[:shown]), present, why, places, len(search.trials), seed, time.perf_counter() - began
     )
 
 
@@ -123,8 +121,8 @@ def check_arguments(toolpath: ToolPath, trials: int, mapped: int, shown: int = S
         raise UsageError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
     if trials < FEWEST:
         raise UsageError(f"search_setup: {trials} trials find nothing; give at least {FEWEST}")
-    if not 1 <= shown <= 1000:
-        raise UsageError(f"search_setup: {shown} set-ups to show; give 1 to 1000")
+    if not 1 <= shown <= MOST_SHOWN:
+        raise UsageError(f"search_setup: {shown} set-ups to show; give 1 to {MOST_SHOWN}")
     if mapped < 0 or mapped == 1 or mapped > 100:
         raise UsageError(f"search_setup: a map of {mapped} places along x; give 2 to 100, or 0 for none")
 
@@ -178,10 +176,10 @@ class Search:
         if "side" in at_hand:
             ways += [{**way, "side": 0.0} for way in ways]
         simpler = [self.choices.clamping({**values, **way}) for way in ways]
-        asked = [
+        clampings = [
             replace(each, shift=self.nearer(each.shift, share)) for each in dict.fromkeys(simpler) for share in NEARER
         ]
-        self.costs(asked)
+        self.costs(clampings)
 
     def nearer(self, shift: tuple[float, float, float], share: float) -> tuple[float, float, float]:
         """A shift at a share of itself, within what is allowed [m]."""
@@ -214,8 +212,8 @@ class Search:
         first[0] = self.choices.shares_of(names, values or dict.fromkeys(names, 0.0))
 
         def costs(shares: Any, /) -> Any:
-            asked = [self.choices.clamping(self.choices.from_shares(names, column)) for column in shares.T]
-            return self.costs(asked)
+            clampings = [self.choices.clamping(self.choices.from_shares(names, column)) for column in shares.T]
+            return self.costs(clampings)
 
         bounds: Any = list(zip(low.tolist(), high.tolist()))
         differential_evolution(
@@ -237,15 +235,15 @@ class Search:
         low, high = np.clip(centre - wide, 0.0, 1.0), np.clip(centre + wide, 0.0, 1.0)
         return low, np.maximum(high, np.nextafter(low, 2.0))
 
-    def costs(self, asked: Sequence[Clamping]) -> Floats:
+    def costs(self, clampings: Sequence[Clamping]) -> Floats:
         """(n,) costs of clampings; each is tried once, at the same time as others."""
-        new = [each for each in dict.fromkeys(asked) if each not in self.trials]
+        new = [each for each in dict.fromkeys(clampings) if each not in self.trials]
         for outcome in self.pool.each(tried, self.task, new):
             if outcome.value is None:
                 raise UsageError(f"search_setup: a trial failed: {outcome.error}")
             self.trials[outcome.item] = outcome.value
             self.progress(min(len(self.trials) / self.most, 1.0))
-        return np.array([self.trials[each].cost for each in asked])
+        return np.array([self.trials[each].cost for each in clampings])
 
 
 def as_it_is(task: Task, toolpath: ToolPath) -> tuple[PlannedSetUp | None, str]:

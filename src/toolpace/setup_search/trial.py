@@ -16,9 +16,9 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import ReachError, ToolpaceError
 from toolpace.machine.machine import Machine
 from toolpace.programs.toolpath import ToolPath
+from toolpace.setup_search.choices import Zone
 from toolpace.setup_search.clamping import Clamping
 from toolpace.setup_search.feasible_position import TORN, feasible_position
-from toolpace.setup_search.zones import Zone
 
 WIDER = 10.0
 """Tolerances of the cheap plan over those that were asked for."""

@@ -1,18 +1,18 @@
-"""Figures 4 to 10 of the paper."""
+"""Figures 4 to 10 of the paper, from the simulated motions before and after the deflection."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, Ints
 from toolpace.deflection.replanning.detour import DetourRun
 from toolpace.deflection.replanning.feed import tip_velocity
 from toolpace.motion.laws.quintic import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.study.motions import motors
-from toolpace.study.panels import (
+from toolpace.study.drawings import (
     GIVEN,
     INK,
     JOINT_COLOURS,
@@ -26,13 +26,51 @@ from toolpace.study.panels import (
     joined,
 )
 from toolpace.study.simulation import DEFLECTION, FEED, Study
-from toolpace.study.stages import Stage, disturbed, undisturbed
 from toolpace.study.tables import reversal
 
-TIMES = 1500
-"""At how many times a stage is drawn."""
+TIMES, MOTOR_TIMES = 1500, 1200
+"""At how many times a stage is drawn: of the motors, which are more curves, at fewer."""
 SHOWN = (-0.15, 0.6)
 """Time about the deflection that figures 9 and 10 show at first [s]: the way back and the next intervals."""
+KINDS = (("position", "q"), ("velocity", "qd"), ("acceleration", "qdd"), ("jerk", "qddd"))
+"""Each with the attribute of a motion that holds it."""
+UNITS = {"linear": ("mm", "m/s", "m/s²", "m/s³"), "rotary": ("deg", "rad/s", "rad/s²", "rad/s³")}
+"""Of the four kinds; positions are read more easily in mm and degrees."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of a trajectory, from one of its times to another, and what to add to them for the clock of the whole."""
+
+    trajectory: Trajectory
+    begin: float
+    end: float
+    shift: float
+
+    def times(self, count: int, shown: tuple[float, float] | None = None) -> Floats:
+        """(n,) times of the trajectory, evenly spread over the part of the stage that is shown on the whole's clock."""
+        low, high = shown or (-np.inf, np.inf)
+        begin, end = max(self.begin, low - self.shift), min(self.end, high - self.shift)
+        return np.linspace(begin, end, count) if end > begin else np.empty(0)
+
+
+def undisturbed(study: Study) -> dict[str, list[Stage]]:
+    """The plans without deflection, from their start."""
+    return {name: [Stage(before, 0.0, before.duration, 0.0)] for name, (before, _) in study.pairs().items()}
+
+
+def disturbed(study: Study) -> dict[str, list[Stage]]:
+    """The ways back, each with what was driven before it; the clock begins at the deflection.
+
+    Behind the way back to the letter the known motion goes on, from the next reference point.
+    """
+    pairs = study.pairs()
+    planned = pairs["genetic"][0]
+    way = study.literal["acceleration"].trajectory
+    before = {name: Stage(pairs[name][0], 0.0, instant, -instant) for name, instant in study.instant.items()}
+    onwards = Stage(planned, study.next_point, planned.duration, way.duration - study.next_point)
+    out = {"literal": [before["genetic"], Stage(way, 0.0, way.duration, 0.0), onwards]}
+    return out | {name: [before[name], Stage(after, 0.0, after.duration, 0.0)] for name, (_, after) in pairs.items()}
 
 
 def all_figures(study: Study) -> tuple[Figure, ...]:
@@ -174,3 +212,74 @@ def deflected_curves(study: Study) -> Figure:
         "To the letter and genetic go by way of the projection on the 20th interval, as printed; optimal rejoins where"
         " it costs least.",
     )  # fmt: skip
+
+
+def motors(
+    study: Study,
+    number: int,
+    ways: Mapping[str, list[Stage]],
+    title: str,
+    *,
+    shown: tuple[float, float] | None = None,
+    caption: str = "",
+) -> Figure:
+    """A column for each way, a row for each kind and each sort of axes; `shown` is the part of the clock drawn.
+
+    Positions count from where the joints stand as the clock begins.
+    """
+    rows = []
+    rotary = np.array(study.machine.rotary, dtype=np.int64)
+    linear = np.setdiff1d(np.arange(len(study.machine.joints)), rotary)
+    sorts = {sort: by_name(study, joints) for sort, joints in (("linear", linear), ("rotary", rotary))}
+    for order, (kind, _) in enumerate(KINDS):
+        for sort, joints in sorts.items():
+            unit = UNITS[sort][order]
+            rows.append(
+                tuple(
+                    motor_panel(study, stages, kind, sort, joints, unit, name, shown) for name, stages in ways.items()
+                )
+            )
+    clock = "time [s]" if shown is None else "time since the deflection [s]"
+    rows[-1] = tuple(replace(panel, x_label=clock) for panel in rows[-1])
+    return Figure(number, f"Position, velocity, acceleration and jerk of the motors {title}", tuple(rows), caption)
+
+
+def motor_panel(
+    study: Study, stages: list[Stage], kind: str, sort: str, joints: Ints, unit: str, name: str,
+    shown: tuple[float, float] | None,
+) -> Panel:  # fmt: skip
+    """One kind of one sort of axes on one way."""
+    attribute = dict(KINDS)[kind]
+    time, values = [], []
+    for stage in stages:
+        t = stage.times(MOTOR_TIMES, shown)
+        if len(t):
+            time.append(t + stage.shift)
+            values.append(getattr(stage.trajectory.at(t), attribute)[:, joints])
+    limit, note = None, ""
+    if kind == "position":
+        values = [from_the_start(each, stages, joints) for each in values]
+        values = [np.degrees(each) if sort == "rotary" else 1e3 * each for each in values]
+    else:
+        limit = float(getattr(study.machine.limits, kind)[joints].min())
+        note = f"limit ±{limit:g}, peak {max(np.abs(each).max() for each in values):.3g}"
+    names = [study.machine.joints[j] for j in joints]
+    curves = tuple(
+        Curve(joint, joined(time), joined([each[:, i] for each in values]), JOINT_COLOURS[joint])
+        for i, joint in enumerate(names)
+    )
+    title = f"{kind} of {' '.join(names)}, {WAY_NAMES[name]}"
+    return Panel(title, "", f"{kind} [{unit}]", curves, limit=limit, note=note)
+
+
+def by_name(study: Study, joints: Ints) -> Ints:
+    """The joints in the order of their names."""
+    return np.array(sorted(joints, key=lambda j: study.machine.joints[j]), dtype=np.int64)
+
+
+def from_the_start(values: Floats, stages: list[Stage], joints: Ints) -> Floats:
+    """(n, k) positions less those that the first stage ends with, where others follow: what the deflection found."""
+    if len(stages) == 1:
+        return values
+    start: Floats = stages[0].trajectory.at(np.array([stages[0].end])).q[0, joints]
+    return values - start

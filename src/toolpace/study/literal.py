@@ -60,16 +60,16 @@ class LiteralWay:
 
 
 def literal_way(
-    known: Trajectory, path: Path, machine: Machine, deflection: Floats, place: float, following: float,
+    followed: Trajectory, path: Path, machine: Machine, deflection: Floats, place: float, following: float,
     *, same_jerk: bool, options: Genetic,
 ) -> LiteralWay:  # fmt: skip
     """The way back from a deflection (3,) [m] to the projection at s = `place` and the reference point at `following`.
 
-    `known` is the trajectory that was followed on the `path`, in rotary joints; its velocities and accelerations are
+    `followed` is the trajectory that was followed on the `path`, in rotary joints; its velocities and accelerations are
     those of the projection. With `same_jerk` the accelerations at deflection and projection are zero, that jerks be the
     same. Raises InfeasibleError where the genetic algorithm finds no period.
     """
-    law, limits = known.laws[0], known.limits
+    law, limits = followed.laws[0], followed.limits
     start, end = (law.at(np.array([law.passing_time(s)]))[:, 0] for s in (place, following))
     jets = coordinates(path, np.array([place, following]))
     begin, goal = in_time(jets[:, 0], start), jets[:3, 1]
@@ -96,14 +96,14 @@ def literal_way(
     least = float(np.linalg.norm(found[:3] - begin[0, :3])) / feed
     first = bred_period(usage, least, options)
     rest = interval_path([0.0, following - place], np.stack([ends[:, 1], goal], axis=1), feed)
-    second = rest_period(rest, known, (v, 0.0, float(end[1]), float(end[2])), options)
+    second = rest_period(rest, followed, (v, 0.0, float(end[1]), float(end[2])), options)
 
     s = np.array([0.0, v * first, v * first + following - place])
     both = interval_path(s, np.stack([ends[:, 0], ends[:, 1], goal], axis=1), feed)
     speeds, accelerations = np.array([v, v, end[1]]), np.array([0.0, 0.0, end[2]])
     motion = QuinticLaw(s, speeds, accelerations, np.array([first, second]))
     trajectory = Trajectory(AxisPath.follow(both, machine), limits, (motion,), planner="genetic, to the letter")
-    return LiteralWay(trajectory, end_rates(both, s[:2], v), joint_jump(known, trajectory, law.passing_time(place)))
+    return LiteralWay(trajectory, end_rates(both, s[:2], v), joint_jump(followed, trajectory, law.passing_time(place)))
 
 
 def coordinates(path: Path, s: Floats) -> Floats:
@@ -130,9 +130,9 @@ def end_rates(path: Path, s: Floats, v: float) -> Floats:
     return np.stack([jets[k] * v**k for k in (1, 2, 3)])
 
 
-def joint_jump(known: Trajectory, way: Trajectory, time: float) -> Floats:
+def joint_jump(followed: Trajectory, way: Trajectory, time: float) -> Floats:
     """(2, m) what velocity and acceleration of the joints differ by where the way back begins."""
-    before, after = known.at(np.array([time])), way.at(np.zeros(1))
+    before, after = followed.at(np.array([time])), way.at(np.zeros(1))
     return np.stack([after.qd[0] - before.qd[0], after.qdd[0] - before.qdd[0]])
 
 
@@ -142,13 +142,13 @@ def bred_period(usage: Callable[[float], float], least: float, options: Genetic)
     In the first population is the first of `least`, twice that, and so on that does; the others are not shorter than
     half of it.
     """
-    known = next((t for t in least * 2.0 ** np.arange(DOUBLINGS) if usage(t) <= ROOM), None)
-    if known is None:
+    first = next((t for t in least * 2.0 ** np.arange(DOUBLINGS) if usage(t) <= ROOM), None)
+    if first is None:
         raise InfeasibleError(f"study: no period up to {least * 2.0**DOUBLINGS:.3g} s keeps to the limits")
-    low, high, bits = 0.5 * known, known, options.bits
+    low, high, bits = 0.5 * first, first, options.bits
     genes = genetic.first_population(options.population, 1, bits, options.seed)
-    genes[0, 0] = genetic.encode(known, bits, low, high)
-    best = float(known)
+    genes[0, 0] = genetic.encode(first, bits, low, high)
+    best = float(first)
     for generation in range(options.generations + 1):
         periods = np.array([genetic.decode(gene, bits, low, high) for gene in genes[:, 0]])
         used = np.array([usage(period) for period in periods])
@@ -159,16 +159,16 @@ def bred_period(usage: Callable[[float], float], least: float, options: Genetic)
     return best
 
 
-def rest_period(path: Path, known: Trajectory, ends: tuple[float, float, float, float], options: Genetic) -> float:
+def rest_period(path: Path, followed: Trajectory, ends: tuple[float, float, float, float], options: Genetic) -> float:
     """The shortest period found of the interval to the next reference point, by the planner's own algorithm.
 
     `ends`: speed and acceleration of s at both.
     """
-    machine = known.axis_path.machine
+    machine = followed.axis_path.machine
     assert machine is not None
     run = AxisPath.follow(path, machine).runs[0]
-    parts = Intervals(run, known.limits, np.array([run.s0, run.s1]), (False, False))
+    parts = Intervals(run, followed.limits, np.array([run.s0, run.s1]), (False, False))
     whole = Interval(parts.x, parts.share, parts.pace)
     begin, _, _ = comfortable(interval_of(whole, 0), np.array(ends), options.reserve)
-    given = Preset(np.array(ends[0::2]), np.array(ends[1::2]), np.array([begin]))
-    return float(with_bred_periods(parts, given, options).periods[0])
+    speeds = Preset(np.array(ends[0::2]), np.array(ends[1::2]), np.array([begin]))
+    return float(with_bred_periods(parts, speeds, options).periods[0])

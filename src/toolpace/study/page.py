@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from toolpace.results.report.policy import with_policy
-from toolpace.study.drawings import as_html
-from toolpace.study.errata import CHOICES, all_errata
-from toolpace.study.panels import Figure
+from toolpace.results.report.shell import with_policy
+from toolpace.study.drawings import Figure, as_html
 from toolpace.study.simulation import Study
 from toolpace.study.sketches import Sketch
-from toolpace.study.tables import Table, comparison, periods_table, times_table, ways_table
+from toolpace.study.tables import CHOICES, Table, all_errata, comparison, periods_table, times_table, ways_table
 
 STYLE = """
 :root { --ink: #17202e; --soft: #5b6778; --line: #e4e8ee; --ground: #f4f6f9; }
@@ -29,34 +27,6 @@ th, td { padding: 6px 10px; vertical-align: top; } td { border-bottom: 1px solid
 td.n, th.n { text-align: right; white-space: nowrap; } tr:last-child td { border-bottom: 0; }
 """
 """Of the page; it has no file of its own, since it is read by nobody else."""
-
-
-def study_page(study: Study, sketches: Sequence[Sketch], figures: Sequence[Figure]) -> str:
-    """The whole page; about 5 MB of it are plotly.js."""
-    from plotly.offline import get_plotlyjs
-
-    parts = [
-        "<!doctype html><html lang='en'><head><meta charset=\"utf-8\">"
-        "<meta name='viewport' content='width=device-width, initial-scale=1'><link rel='icon' href='data:,'>"
-        f"<title>The paper's study</title><style>{STYLE}</style><script>{get_plotlyjs()}</script></head><body><main>"
-        "<h1>Local minimum time, without and with deflection</h1>"
-        "<p>The simulation study (section III) of Wu, Li, Liu and Perez, American Control Conference 2009, doi"
-        " 10.1109/ACC.2009.5160578, done anew by <code>toolpace study</code>.</p>",
-        section("Times", TIMES_LEAD, table(times_table(study))),
-        section("Printed and ours", "", table(comparison(study))),
-        *map(sketch_section, sketches),
-        *map(figure_section, figures),
-        section("The way back, to the letter and ours", WAYS_LEAD, table(ways_table(study))),
-        section("What a measured tip means", CAUSES_LEAD, table(CAUSES)),
-        section("Time in each interval, T_i", "In seconds, interval by interval.", table(periods_table(study))),
-        section("Errata", "What the paper prints, what holds, and a check that was worked out for this page.",
-                table(all_errata(study))),
-        section("What the paper does not say, and what was chosen", "", table(CHOICES)),
-        "</main></body></html>",
-    ]  # fmt: skip
-    return with_policy("\n".join(parts))
-
-
 WAYS_LEAD = (
     "Step (2) of section II.D sets velocity, acceleration and jerk at the deflection to those at the projection, in the"
     " workpiece frame. A quintic has six coefficients: with both positions, velocity and acceleration they are used up,"
@@ -86,7 +56,6 @@ CAUSES = Table(
     ),
 )  # fmt: skip
 """Both causes, for who measures a tip."""
-
 TIMES_LEAD = (
     "The case is limited by the feed: no motion takes less than the length of the curve over the feed, 5.23599 s, and"
     " even the best planner gains little. The genetic planner loses about half of its time in the first and the last"
@@ -94,6 +63,32 @@ TIMES_LEAD = (
     " speeds keep in reserve, and what a few generations do not find."
 )
 """What the table of times shows, above it."""
+
+
+def study_page(study: Study, sketches: Sequence[Sketch], figures: Sequence[Figure]) -> str:
+    """The whole page; about 5 MB of it are plotly.js."""
+    from plotly.offline import get_plotlyjs
+
+    parts = [
+        "<!doctype html><html lang='en'><head><meta charset=\"utf-8\">"
+        "<meta name='viewport' content='width=device-width, initial-scale=1'><link rel='icon' href='data:,'>"
+        f"<title>The paper's study</title><style>{STYLE}</style><script>{get_plotlyjs()}</script></head><body><main>"
+        "<h1>Local minimum time, without and with deflection</h1>"
+        "<p>The simulation study (section III) of Wu, Li, Liu and Perez, American Control Conference 2009, doi"
+        " 10.1109/ACC.2009.5160578, done anew by <code>toolpace study</code>.</p>",
+        section("Times", TIMES_LEAD, table(times_table(study))),
+        section("Printed and ours", "", table(comparison(study))),
+        *map(sketch_section, sketches),
+        *map(figure_section, figures),
+        section("The way back, to the letter and ours", WAYS_LEAD, table(ways_table(study))),
+        section("What a measured tip means", CAUSES_LEAD, table(CAUSES)),
+        section("Time in each interval, T_i", "In seconds, interval by interval.", table(periods_table(study))),
+        section("Errata", "What the paper prints, what holds, and a check that was worked out for this page.",
+                table(all_errata(study))),
+        section("What the paper does not say, and what was chosen", "", table(CHOICES)),
+        "</main></body></html>",
+    ]  # fmt: skip
+    return with_policy("\n".join(parts))
 
 
 def section(title: str, lead: str, body: str) -> str:

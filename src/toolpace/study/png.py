@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.files import whole_file
-from toolpace.study.panels import LIMIT, Figure, Panel
+from toolpace.study.drawings import LIMIT, Figure, Panel
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
     from mpl_toolkits.mplot3d import Axes3D
-
 
 SQUARE, WIDE, HIGH = 4.0, 5.6, 1.6
 """Side of a panel that stands alone in its row, width and height of the others [inches]."""

@@ -184,8 +184,8 @@ def durations_by_seed(axis_path: AxisPath, machine: Machine, options: Genetic) -
     """(10,) durations that the genetic planner finds with each of the seeds [s]; the preset speeds know no seed."""
     run = axis_path.runs[0]
     parts = Intervals(run, machine.limits, reference_points(run, options.intervals), (True, True))
-    given = preset(parts, AT_REST, AT_REST, options.reserve)
-    return np.array([with_bred_periods(parts, given, replace(options, seed=seed)).periods.sum() for seed in SEEDS])
+    speeds = preset(parts, AT_REST, AT_REST, options.reserve)
+    return np.array([with_bred_periods(parts, speeds, replace(options, seed=seed)).periods.sum() for seed in SEEDS])
 
 
 def simulate(progress: Callable[[float], None]) -> Study:

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.study.panels import MARK
+from toolpace.study.drawings import MARK
 from toolpace.study.svg import FILL, INK, SOFT, Drawing
 
 TOOL, PART, GROUND, CHAIN = "#d9622b", "#2563c9", "#5b6778", "#0f8a6a"

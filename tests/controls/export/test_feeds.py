@@ -9,13 +9,10 @@ from testbed.one_program.generate import generate
 from testbed.one_program.run import WRITERS, controller, machine, set_up
 from testbed.one_program.writer import CannotWriteError
 from toolpace.common.errors import UsageError
-from toolpace.controls.export.feeds.block_times import Passes
-from toolpace.controls.export.feeds.comparison import largest_change_of_kept, strays
-from toolpace.controls.export.feeds.job import Job
-from toolpace.controls.export.feeds.languages import Cldata, Klartext, Sinumerik
-from toolpace.controls.export.feeds.rewriting import figure, rounding
-from toolpace.controls.export.feeds.text import ProgramText
-from toolpace.controls.export.feeds.word_address import WordAddress
+from toolpace.controls.export.block_times import Passes
+from toolpace.controls.export.feed_words import Cldata, Klartext, Sinumerik, WordAddress
+from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, strays
+from toolpace.controls.export.rewriting import ProgramText, figure, rounding
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import Controller, ReadOptions, Source, read_source
 from toolpace.programs.reading.languages import with_controller
@@ -200,7 +197,7 @@ def test_passes_are_at_rapid_at_feed_or_of_both():
 
 
 def test_blanks_within_a_number_belong_to_it():
-    from toolpace.controls.export.feeds.word_address import _VALUE
+    from toolpace.controls.export.feed_words import _VALUE
 
     for text, value in (("8 0 0 Y2", "8 0 0"), ("800Y2", "800"), ("-1 2 . 5 (F7)", "-1 2 . 5"), (".5 ;", ".5")):
         found = _VALUE.match(text)

@@ -11,8 +11,8 @@ from tests.support.thinned import every
 from toolpace import read
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export import export
-from toolpace.controls.export.feeds.block_times import Passes
-from toolpace.controls.export.feeds.job import Job
+from toolpace.controls.export.block_times import Passes
+from toolpace.controls.export.planned_feeds import Job
 from toolpace.controls.export.program import Program
 from toolpace.programs.reading import read_source
 

@@ -14,8 +14,7 @@ from testbed.true_tip.chain import Chain
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export import PlannedMotion
-from toolpace.controls.export.column_units import scale_of
-from toolpace.controls.export.encoder_increments import refuse_coarse
+from toolpace.controls.export.column_units import refuse_coarse, scale_of
 from toolpace.controls.export.fifo import Fifo
 from toolpace.controls.export.linuxcnc.inverse_time import InverseTime
 from toolpace.controls.export.linuxcnc.streamer import Streamer

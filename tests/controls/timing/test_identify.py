@@ -13,8 +13,7 @@ from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
 from toolpace.controls.timing.figures import figures_of
-from toolpace.controls.timing.identify import identify, sustained_accelerations
-from toolpace.controls.timing.log import MotionLog, load_log, trimmed
+from toolpace.controls.timing.identify import MotionLog, identify, load_log, sustained_accelerations, trimmed
 from toolpace.controls.timing.program_time import time_of_moves
 from toolpace.programs.reading import Source, read_commanded
 

@@ -12,8 +12,7 @@ from testbed.linuxcnc.instance import missing
 from testbed.linuxcnc.run import run_program
 from testbed.linuxcnc.timed import corners
 from toolpace.common.errors import UsageError
-from toolpace.controls.timing.linuxcnc import LinuxCNC, linuxcnc_times
-from toolpace.controls.timing.linuxcnc_blocks import Canon, Waits
+from toolpace.controls.timing.linuxcnc import Canon, LinuxCNC, Waits, linuxcnc_times
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.programs.commanded import BLENDED, EXACT_PATH

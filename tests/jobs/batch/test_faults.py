@@ -86,18 +86,23 @@ def assert_all_planned(out: Path) -> None:
 
 
 def working(cluster: ByHand) -> int:
-    """The process of a worker that is in the middle of a job; 0 where none is."""
+    """The process of a worker that is in the middle of a job, as soon as one is."""
     from distributed import Client
 
-    with Client(cluster.address, timeout=30) as client:
-        busy = [worker for worker, keys in client.processing().items() if any(isinstance(key, tuple) for key in keys)]
-        return int(client.run(os.getpid, workers=busy[:1])[busy[0]]) if busy else 0
+    with Client(cluster.address, timeout=30) as client:  # one for all looks: a job may be over before a second is there
+        processes = client.run(os.getpid)
+
+        def busy() -> list[str]:
+            shown = client.processing().items()
+            return [worker for worker, keys in shown if any(isinstance(key, tuple) for key in keys)]
+
+        return int(processes[until(busy)[0]])
 
 
 def test_a_worker_that_is_killed_in_mid_job(parts, tmp_path):
     with by_hand(2) as cluster:
         batch = start(parts, tmp_path / "out", "--cluster", cluster.address)
-        os.kill(until(lambda: working(cluster)), signal.SIGKILL)
+        os.kill(working(cluster), signal.SIGKILL)
         code, _, errors = ended(batch)
     assert code == 2, errors  # of the one that is refused
     assert_all_planned(tmp_path / "out")

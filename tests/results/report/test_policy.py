@@ -10,7 +10,7 @@ import pytest
 
 from tests.support import motions
 from toolpace.results.report import write_report
-from toolpace.results.report.policy import checksum, with_policy
+from toolpace.results.report.shell import checksum, with_policy
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 INTRUDER = (

@@ -18,10 +18,18 @@ from tests.support import motions
 from tests.support.tool_paths import toolpath_through
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
-from toolpace.results.report import limiting, report
-from toolpace.results.report.limiting import NOTHING, binding
-from toolpace.results.report.policy import checksum
-from toolpace.results.report.series import Channel, deviations, extremes, feed_cap, packed
+from toolpace.results.report import report
+from toolpace.results.report.charts import (
+    NOTHING,
+    Channel,
+    binding,
+    deviations,
+    extremes,
+    feed_cap,
+    limit_names,
+    packed,
+)
+from toolpace.results.report.shell import checksum
 from toolpace.results.report.words import at_most, colours, limit_words, percent
 
 TRAJECTORY = motions.Trajectory()
@@ -112,7 +120,7 @@ def test_binding_is_the_feed_where_the_motion_cruises_and_nothing_where_it_pause
     fast = motions.Trajectory()
     fast.limits = fast.limits.scaled(2.0, 2.0, 2.0)
     cruise, pause = 0.5 * fast.laws[0].duration, fast.starts[1] - 0.1
-    assert [limiting.limit_names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
+    assert [limit_names(fast.joints)[k] for k in binding(fast, np.array([cruise]))] == ["feed"]
     assert binding(fast, np.array([pause])).tolist() == [NOTHING]
 
 
@@ -125,7 +133,7 @@ def test_binding_is_the_joint_whose_limit_is_lowered():
         velocity = np.full(len(slow.joints), np.inf)
         velocity[k] = 0.9 * speed[k]
         slow.limits = Limits(velocity, np.inf, np.inf, slow.joints)
-        assert limiting.limit_names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
+        assert limit_names(slow.joints)[binding(slow, cruise)[0]] == f"velocity {joint}"
 
 
 def test_words():

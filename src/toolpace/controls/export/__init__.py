@@ -9,15 +9,17 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from toolpace.common.errors import UsageError, did_you_mean
+import msgspec
+
+from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.files import whole_folder
+from toolpace.common.version import __version__
 from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.record import EXPORT, ExportRecord, write_record
 from toolpace.controls.export.target import ReadBack, Target, Written
 from toolpace.motion.trajectory import Trajectory
 
@@ -26,6 +28,8 @@ __all__ = [
     "target_of", "write_export",
 ]  # fmt: skip
 
+EXPORT = "export.json"
+"""Its name in the folder of an export."""
 TARGETS = {
     "table": ("table", "Table"),
     "linuxcnc-hal": ("linuxcnc.streamer", "Streamer"),
@@ -34,6 +38,25 @@ TARGETS = {
     "program": ("program", "Program"),
 }
 """Name to the module and the class that write it; a module is imported when it is asked for."""
+
+
+class ExportRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """export.json, key by key."""
+
+    target: str
+    options: dict[str, str]
+    """As they were given, those that were not left at their defaults."""
+    program: str
+    machine: str
+    sha256: dict[str, str]
+    """Of the machine file, and of the program."""
+    duration_s: float
+    files: list[str]
+    """The one to load first."""
+    notes: list[str]
+    read_back: list[str]
+    """What was compared with the plan, the worst difference, and what is allowed."""
+    toolpace_version: str
 
 
 @dataclass(frozen=True)
@@ -76,10 +99,10 @@ def target_of(name: str, options: dict[str, Any]) -> Target:
         raise UsageError(f"--to {str(name)[:40]}: there is no such target; {did_you_mean(str(name), TARGETS)}")
     module, kind = TARGETS[name]
     made = getattr(importlib.import_module(f"toolpace.controls.export.{module}"), kind)
-    known = [each.name for each in dataclasses.fields(made)]
+    options_of_target = [each.name for each in dataclasses.fields(made)]
     for option in options:
-        if option not in known:
-            shown = ", ".join(f"--{each.replace('_', '-')}" for each in known)
+        if option not in options_of_target:
+            shown = ", ".join(f"--{each.replace('_', '-')}" for each in options_of_target)
             raise UsageError(f"--{option.replace('_', '-')} is no option of --to {name}; it has {shown}")
     target: Target = made(**options)
     return target
@@ -101,3 +124,28 @@ def write_export(
         tell(0.95)
         write_record(folder, motion, target, written, checks)
     return Exported(Path(out), (*written.files, EXPORT), tuple(written.notes), tuple(checks))
+
+
+def write_record(
+    folder: Path, motion: PlannedMotion, target: Target, written: Written, checks: Sequence[ReadBack]
+) -> None:
+    """Write export.json into the folder of an export; the seal comes with the folder."""
+    assert dataclasses.is_dataclass(target)
+    options = {
+        each.name: printable(str(getattr(target, each.name)))
+        for each in dataclasses.fields(target)
+        if getattr(target, each.name) not in (each.default, None, {}, ())
+    }
+    record = ExportRecord(
+        target=target.name,
+        options=options,
+        program=printable(motion.program),
+        machine=printable(motion.machine.name),
+        sha256=dict(motion.sha256),
+        duration_s=motion.duration,
+        files=written.files,
+        notes=written.notes,
+        read_back=[str(check) for check in checks],
+        toolpace_version=__version__,
+    )
+    (folder / EXPORT).write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2) + b"\n")

@@ -1,4 +1,4 @@
-"""The units of a table's columns: mm and degrees, others, or encoder increments."""
+"""The units of a table's columns: mm and degrees, others, or encoder increments; and what rounding to these moves."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.common.units import ANGLES, LENGTHS
+from toolpace.common.units import ANGLES, LENGTHS, format_angle, format_length
 from toolpace.controls.export.motion import PlannedMotion
+from toolpace.controls.export.rows import CHUNK
+from toolpace.motion.setpoints import SetPoints
 
 MOST_COUNTS = 2.0**53
 """Increments beyond which a double is no whole number any more."""
@@ -81,21 +83,51 @@ def scale_of(motion: PlannedMotion, units: str, counts: Mapping[str, str]) -> Sc
 
 def _per_unit(joint: str, text: str, turns: bool) -> float:
     """Increments for each m or rad, of text such as `10000/mm`; below zero where the encoder counts backwards."""
-    known = _ANGLES if turns else _LENGTHS
+    units = _ANGLES if turns else _LENGTHS
     figure, _, unit = text.partition("/")
     example = "1000/deg" if turns else "10000/mm"
     try:
         value = float(figure)
     except ValueError:
         value = math.nan
-    if unit.strip().lower() not in known:
+    if unit.strip().lower() not in units:
         kind = "turns" if turns else "moves straight"
         raise UsageError(
-            f"--counts {joint}={text[:40]}: joint {joint} {kind}; write increments for each of {', '.join(known)}, "
+            f"--counts {joint}={text[:40]}: joint {joint} {kind}; write increments for each of {', '.join(units)}, "
             f"like {joint}={example}"
         )
     if not (math.isfinite(value) and value != 0.0):
         raise UsageError(
             f"--counts {joint}={text[:40]}: '{figure[:20]}' is no number of increments; like {joint}={example}"
         )
-    return value / known[unit.strip().lower()]
+    return value / units[unit.strip().lower()]
+
+
+def refuse_coarse(motion: PlannedMotion, points: SetPoints, scale: Scale) -> None:
+    """Raise UsageError where rounding to increments moves tip or tool axis by more than the plan may stray."""
+    if not any(scale.counted):
+        return
+    tip, axis = _moved(motion, points, scale)
+    most_tip, most_axis = motion.tolerances
+    if tip <= most_tip and axis <= most_axis:
+        return
+    share = max(tip / most_tip, axis / most_axis)
+    raise UsageError(
+        f"--counts: rounding to whole increments moves the tip by up to {format_length(tip)} and the tool axis by "
+        f"{format_angle(axis)}, more than the plan may stray ({format_length(most_tip)}, {format_angle(most_axis)}); "
+        f"give increments at least {np.ceil(share):.0f} times finer, or leave --counts out"
+    )
+
+
+def _moved(motion: PlannedMotion, points: SetPoints, scale: Scale) -> tuple[float, float]:
+    """How far rounding moves the tip [m], and turns the tool axis [rad], at most."""
+    tip = axis = 0.0
+    for start in range(0, len(points), CHUNK):
+        q = points.q[start : start + CHUNK]
+        rounded = np.where(scale.counted, np.rint(q * scale.factors) / scale.factors, q)
+        lengths = points.tool_length[start : start + CHUNK]
+        (here, along), (there, turned) = (motion.machine.forward(each, lengths) for each in (q, rounded))
+        tip = max(tip, float(np.linalg.norm(there - here, axis=1).max()))
+        chord = float(np.linalg.norm(turned - along, axis=1).max())
+        axis = max(axis, 2.0 * float(np.arcsin(min(0.5 * chord, 1.0))))
+    return tip, axis

@@ -19,20 +19,16 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.common.units import format_angle, format_length, format_time
+from toolpace.common.units import format_time
 from toolpace.controls.export.column_units import Scale, scale_of
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance, start_in_words
-from toolpace.controls.export.rows import Rows, rows_every
+from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
+from toolpace.controls.export.rows import WHOLE, Rows, refuse_no_cycle, rows_every
 from toolpace.controls.export.target import ReadBack, Written
 from toolpace.controls.export.tool_changes import refuse_tool_changes
 
 ROWS, HOW_TO = "rows.lreal", "how_to_use.txt"
 REST = 0.1
 """Time at rest behind the motion [s]: a stationary interval is how positioning ends (Sequence, End Phase)."""
-WHOLE = 1e-9
-"""How far the ratio of two cycle times may be from a whole number."""
 CYCLES = 2
 """PLC cycles that a full FIFO must last at least."""
 
@@ -156,18 +152,16 @@ class Fifo:
         ]
 
     def _notes(self, motion: PlannedMotion, rows: Rows) -> list[str]:
-        show = [format_angle if turns else format_length for turns in motion.rotary]
         notes = [
             f"{len(rows.points) + self._rest(rows)} rows every {format_time(rows.period)}; the FIFO needs at least "
             f"{self._least(rows)} rows for a PLC cycle of {format_time(self.plc_cycle)}"
         ]
         if rows.error.any():
-            worst = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.error))
+            worst = motion.by_joint(rows.error)
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
         if round(rows.period / (self.nc_cycle or rows.period)) > 1:
-            sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
             notes.append(
-                f"the NC moves straight between rows: it deviates from the motion by at most {sag}, and speeds change "
-                "in steps"
+                "the NC moves straight between rows: it deviates from the motion by at most "
+                f"{motion.by_joint(rows.sag)}, and speeds change in steps"
             )
         return notes

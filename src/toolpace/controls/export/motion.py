@@ -1,4 +1,4 @@
-"""The motion to export, with machine, program and checksums."""
+"""The motion to export, with machine, program and checksums, and how these are told at the head of files."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.errors import UsageError
+from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, reason
-from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
+from toolpace.common.version import __version__
 from toolpace.machine.machine import Machine
-from toolpace.motion.set_point_files import read_set_points
+from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.reading import ReadOptions, Source
@@ -82,6 +83,11 @@ class PlannedMotion:
         units = ["deg" if turns else "mm" for turns in self.rotary]
         return units, np.array([math.degrees(1.0) if turns else 1e3 for turns in self.rotary])
 
+    def by_joint(self, values: Floats) -> str:
+        """ "X 3 µm, A 0.001 deg": what each joint (m,) is off by, or moves by [m, rad]."""
+        show = [format_angle if turns else format_length for turns in self.rotary]
+        return ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(self.joints, show, values))
+
     @classmethod
     def of(cls, trajectory: Trajectory, dt: float) -> PlannedMotion:
         """A trajectory sampled every `dt` [s]. Raises UsageError where it was planned without a machine."""
@@ -143,3 +149,24 @@ def _sha(machine: Machine) -> str:
 
 def _file_sha(file: Path) -> str:
     return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def provenance(motion: PlannedMotion, what: str) -> list[str]:
+    """Lines: what the file is, and of which program and machine, by their checksums."""
+    lines = [f"{what}, written by toolpace {__version__}"]
+    if motion.program:
+        lines.append(f"program {printable(motion.program)}, SHA-256 {motion.sha256.get('program', 'not known')}")
+    lines.append(f"machine {printable(motion.machine.name)}, SHA-256 of its file {motion.sha256['machine']}")
+    lines.append(f"the motion takes {format_time(motion.duration)} ({motion.duration:.6f} s), from rest to rest")
+    return lines
+
+
+def start_in_words(motion: PlannedMotion) -> str:
+    """ "X 0 mm, Y -12.5 mm, A 30 deg": where the motion begins."""
+    units, factors = motion.shop_units
+    first = motion.setpoints.q[0] * factors
+    return ", ".join(f"{joint} {_short(value)} {unit}" for joint, value, unit in zip(motion.joints, first, units))
+
+
+def _short(value: float) -> str:
+    return f"{value + 0.0:.6f}".rstrip("0").rstrip(".")

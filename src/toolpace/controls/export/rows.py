@@ -1,4 +1,4 @@
-"""Set-points at another period, taken or interpolated."""
+"""Rows of a motion at the period of a control, from its set-points: taken, or interpolated between them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ from toolpace.motion.setpoints import SetPoints
 
 WHOLE = 1e-9
 """How far a ratio of two times may be from a whole number and still be one."""
-CHUNK = 100_000
-"""Rows that are worked out at once, to keep memory low."""
+CHUNK = 20_000
+"""Rows that are worked out, written or compared at once, to keep memory low."""
 QUINTIC_ERROR = 0.006185
 """Largest error of the quintic through value, slope and curvature at both ends of a step of length 1, of a function
 whose third derivative stays within 1 of some value (Peano's kernel, worked out numerically; a test does it anew)."""
+CYCLES = (1e-6, 1.0)
+"""Between which the cycles of controls lie [s]: the fastest current loops take some 10 us, and what is told where to be
+less than once a second is not led along a path."""
 
 
 @dataclass(frozen=True)
@@ -135,3 +138,21 @@ def _error(motion: PlannedMotion) -> Floats:
         )
     most: Floats = np.maximum(jerk, np.abs(motion.setpoints.qddd).max(axis=0))
     return QUINTIC_ERROR * most * motion.dt**3
+
+
+def refuse_no_cycle(option: str, value: float | None) -> None:
+    """Raise UsageError, named by the option, where a time that is given is no cycle of a control."""
+    if value is None:
+        return
+    if not (isinstance(value, int | float) and CYCLES[0] <= value <= CYCLES[1]):
+        raise UsageError(
+            f"{option} {_shown(value)}: give a time from {format_time(CYCLES[0])} to {format_time(CYCLES[1])}; no "
+            "control takes positions more often, or follows a path by fewer"
+        )
+
+
+def _shown(value: object) -> str:
+    if not isinstance(value, int | float):
+        return repr(value)[:40]
+    ordinary = math.isfinite(value) and 1e-4 <= abs(value) < 1e6
+    return format_time(value) if ordinary else f"{value:.6g} s"

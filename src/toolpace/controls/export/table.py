@@ -9,16 +9,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.common.units import format_angle, format_length, format_time
-from toolpace.controls.export.column_units import Scale, scale_of
-from toolpace.controls.export.comma_separated import read_comma_separated, write_comma_separated
-from toolpace.controls.export.encoder_increments import refuse_coarse
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance, start_in_words
-from toolpace.controls.export.rows import Rows, rows_every
+from toolpace.common.units import format_time
+from toolpace.controls.export.column_units import Scale, refuse_coarse, scale_of
+from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
+from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every
+from toolpace.controls.export.table_files import (
+    Column,
+    arrow,
+    read_comma_separated,
+    read_parquet,
+    write_comma_separated,
+    write_parquet,
+)
 from toolpace.controls.export.target import ReadBack, Written
 from toolpace.controls.export.tool_changes import tool_changes
 
@@ -29,27 +32,7 @@ USUAL = ("t", "q", "qd", "qdd", "block")
 FORMATS = ("csv", "parquet")
 ROUNDING = 2e-14
 """Relative rounding of fifteen digits, and of the change of units."""
-CHUNK = 20_000
-"""Rows that are written or compared at once, to keep memory low."""
 _RATES = {"q": ("", ""), "qd": (" velocity", "/s"), "qdd": (" acceleration", "/s2"), "qddd": (" jerk", "/s3")}
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column of a table."""
-
-    name: str
-    unit: str
-    values: Floats
-    """(n,) in SI."""
-    factor: float
-    whole: bool = False
-    """Whether it holds whole numbers."""
-
-    def part(self, rows: slice) -> Floats:
-        """The values of some rows, in the column's unit; zero has no sign."""
-        scaled: Floats = self.values[rows] * self.factor
-        return (np.rint(scaled) if self.whole else scaled) + 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +60,6 @@ class Table:
         if self.format not in FORMATS:
             raise UsageError(f"--format {self.format[:40]}: give one of {', '.join(FORMATS)}")
         if self.format == "parquet":
-            from toolpace.controls.export.parquet import arrow
-
             arrow()
 
     @property
@@ -96,8 +77,6 @@ class Table:
         if self.format == "csv":
             write_comma_separated(folder / self.file, head, columns, _pieces(len(rows.points)))
         else:
-            from toolpace.controls.export.parquet import write_parquet
-
             write_parquet(folder / self.file, head, columns, motion.sha256, _pieces(len(rows.points)))
         return Written([self.file], notes)
 
@@ -109,8 +88,6 @@ class Table:
         if self.format == "csv":
             tables = read_comma_separated(file, columns, CHUNK)
         else:
-            from toolpace.controls.export.parquet import read_parquet
-
             tables = read_parquet(file, columns)
         worst, at = 0.0, 0
         for table in tables:
@@ -161,18 +138,17 @@ class Table:
         ]
 
     def _notes(self, motion: PlannedMotion, rows: Rows, scale: Scale) -> list[str]:
-        show = [format_angle if turns else format_length for turns in motion.rotary]
         notes = []
         if rows.error.any():
-            worst = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.error))
+            worst = motion.by_joint(rows.error)
             notes.append(f"rows lie between set-points of the plan: interpolated, off by at most {worst}")
-        sag = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, rows.sag))
+        sag = motion.by_joint(rows.sag)
         notes.append(f"a control that moves straight from row to row deviates from the motion by at most {sag}")
         if changes := tool_changes(motion):
-            told = ", ".join(map(str, changes))
-            notes.append(f"the plan changes its tool {told}: stop there, where it rests, put the tool in, and go on")
+            named = ", ".join(map(str, changes))
+            notes.append(f"the plan changes its tool {named}: stop there, where it rests, put the tool in, and go on")
         if any(scale.counted):
-            rounded = ", ".join(f"{j} {f(e)}" for j, f, e in zip(motion.joints, show, scale.resolution) if e)
+            rounded = motion.by_joint(scale.resolution)
             notes.append(f"positions are rounded to whole increments, by at most {rounded}")
         return notes
 

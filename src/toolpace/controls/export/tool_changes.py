@@ -48,9 +48,9 @@ def refuse_tool_changes(motion: PlannedMotion, name: str) -> None:
     """Raise UsageError where rows that are played without a stop would run through a change of the tool."""
     changes = tool_changes(motion)
     if changes:
-        told = ", ".join(map(str, changes[:NAMED])) + (", ..." if len(changes) > NAMED else "")
+        named = ", ".join(map(str, changes[:NAMED])) + (", ..." if len(changes) > NAMED else "")
         raise UsageError(
-            f"--to {name}: the plan changes its tool ({told}), and its rows are played without a stop for that; plan "
+            f"--to {name}: the plan changes its tool ({named}), and its rows are played without a stop for that; plan "
             "what each tool does as a program of its own, or take --to linuxcnc-g93, which stops, --to program, or "
             "--to table, which gives the times"
         )
@@ -58,8 +58,8 @@ def refuse_tool_changes(motion: PlannedMotion, name: str) -> None:
 
 def tool_lengths(motion: PlannedMotion, points: SetPoints) -> Floats:
     """(n,) of the tool in the spindle at set-points of a plan [m]."""
-    own, told = motion.machine.tool_length, points.tool_length
-    lengths: Floats = np.where(np.isnan(told), own, told) if len(told) else np.full(len(points), own)
+    own, of_points = motion.machine.tool_length, points.tool_length
+    lengths: Floats = np.where(np.isnan(of_points), own, of_points) if len(of_points) else np.full(len(points), own)
     return lengths
 
 

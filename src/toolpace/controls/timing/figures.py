@@ -1,14 +1,20 @@
-"""The figures that describe a control, from the table `[time]` of its file."""
+"""The figures that describe a control, from the table `[time]` of its file, and the limits that it keeps by them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
+import numpy as np
 
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, in_short
 from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.machine.limits import Limits
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
 
 MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
 USUAL_TOLERANCE = 0.01
@@ -56,10 +62,37 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def figures_of(table: Mapping[str, object], source: str, model: str | None = None) -> ControlFigures:
     """The figures of a table; `model` takes the place of what it names. Raises UsageError."""
-    given = dict(table)
+    figures = dict(table)
     if model is not None:
-        given["model"] = model
+        figures["model"] = model
     try:
-        return msgspec.convert(given, ControlFigures)
+        return msgspec.convert(figures, ControlFigures)
     except msgspec.ValidationError as error:
         raise UsageError(f"controller {source}, [time]: {in_short(error)}") from None
+
+
+def limits_of(machine: Machine, figures: ControlFigures) -> Limits:
+    """The machine's limits, with the shares or the figures of the control in their place. Raises UsageError."""
+    own = machine.limits
+    acceleration = _scaled(machine, own.acceleration, figures.acceleration, "acceleration")
+    jerk = _scaled(machine, own.jerk, figures.jerk, "jerk")
+    return Limits(own.velocity, acceleration, jerk, machine.joints)
+
+
+def _scaled(machine: Machine, own: Floats, share_or_figures: float | dict[str, float], kind: str) -> Floats:
+    if isinstance(share_or_figures, int | float):
+        return own * share_or_figures
+    limits = own.copy()
+    for axis, figure in share_or_figures.items():
+        if axis not in machine.joints:
+            raise UsageError(
+                f"[time] {kind}: machine '{machine.name}' has no axis {axis}, it has {', '.join(machine.joints)}"
+            )
+        column = machine.joints.index(axis)
+        limits[column] = figure * (DEGREE if machine.is_rotary[column] else MILLIMETRE)
+    return limits
+
+
+def off_the_path(machine: Machine, figures: ControlFigures) -> Floats:
+    """(axes,) what a unit of each axis counts for beside the tolerance of the tip [m]."""
+    return np.where(machine.is_rotary, figures.turned_metre, 1.0)

@@ -1,51 +1,42 @@
-"""The time of a program on a control: total, and by operation."""
+"""The time of a program on a control, in all and by operation, by the model that the control's file names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.controls.timing.axis_limits import limits_of
-from toolpace.controls.timing.figures import ControlFigures
-from toolpace.controls.timing.filtered import filtered_times
+from toolpace.common.errors import UsageError
+from toolpace.controls.timing.axis_models import filtered_times, lookahead_times, rests, room_of
+from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
 from toolpace.controls.timing.linuxcnc import linuxcnc_times
-from toolpace.controls.timing.lookahead import lookahead_times, rests, room_of
-from toolpace.programs.commanded import Commanded
+from toolpace.programs.commanded import BLENDED, Commanded
+from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
+from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.feeds import FeedChange
+from toolpace.programs.reading.languages import with_controller
+from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
+    from toolpace.motion.operation_times import OperationTime
+    from toolpace.programs.reading import Controller
     from toolpace.programs.toolpath import Operation
-
-
-class OperationTime(Protocol):
-    """What the parts of a planned motion tell [s]."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def tool(self) -> str: ...
-    @property
-    def cutting(self) -> float: ...
-    @property
-    def rapid(self) -> float: ...
-    @property
-    def dwell(self) -> float: ...
-    @property
-    def stops(self) -> int: ...
-
 
 Model = Callable[[Commanded, "Machine", ControlFigures], Floats]
 """Time of each move (n,) [s], dwells left out."""
+STILL = 1e-12
+"""Way of the tip [m] below which it stands."""
 
 
 def _linuxcnc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
-    told = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    return linuxcnc_times(told, machine.with_limits(limits_of(machine, figures)))
+    rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
+    return linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
 
 
 MODELS: dict[str, Model] = {"linuxcnc": _linuxcnc_times, "lookahead": lookahead_times, "fir": filtered_times}
@@ -141,3 +132,113 @@ def changes(operations: Sequence[Operation]) -> list[int]:
         found.append(int(each.tool not in ("", before)))
         before = each.tool or before
     return found
+
+
+def program_time(
+    program: str | Path,
+    machine: Machine,
+    *,
+    controller: str | Path | Controller | None = None,
+    model: str | None = None,
+    feed: str | None = None,
+    setup: str | Path | SetUp | None = None,
+    dialect: str | None = None,
+) -> ProgramTime:
+    """How long a program takes on a control as it is written, without a plan.
+
+    controller: a built-in controller or a file (TOML), whose table [time] describes how it goes through blocks; None
+        tells it by the program's content. model: `linuxcnc`, `lookahead` or `fir`, in place of what the file says.
+    feed, setup, dialect: as of `read`. Cutter-location data are timed as a post would write them, tool-centre-point
+        mode on.
+
+    Raises ProgramError, UsageError, ReachError. What the fastest motion takes is `plan(path, machine).duration`.
+    """
+    source = Source.load(program)
+    options, _ = with_controller(source, dialect, ReadOptions.of(machine, controller, setup))
+    figures = figures_for(options, model)
+    if figures.model == "ideal":
+        raise UsageError("the model ideal is the fastest motion: its time is plan(path, machine).duration")
+    moves = moves_of(source, machine, options, feed, dialect)
+    return time_of_moves(moves, machine, figures, options.setup.tool_change)
+
+
+def figures_for(options: ReadOptions, model: str | None) -> ControlFigures:
+    """The figures of the controller that a program is read for. Raises UsageError."""
+    controller = options.controller
+    if controller is None:
+        return figures_of({}, "", model)
+    return figures_of(controller.time, controller.source or controller.name, model)
+
+
+def moves_of(
+    source: Source,
+    machine: Machine,
+    options: ReadOptions,
+    feed: str | None = None,
+    dialect: str | None = None,
+    findings: Findings | None = None,
+) -> Commanded:
+    """The moves of a program; those of points where it is for no control. Raises ToolpaceError."""
+    if options.controller is None:
+        toolpath = read_source(source, machine, dialect, options, feed=feed, findings=findings)
+        return moves_of_points(toolpath, machine)
+    change = None if feed is None else FeedChange.parse(feed)
+    default = None if change is None else change.speed
+    reading = replace(options, default_feed=default)
+    moves = read_commanded(source, machine, dialect, reading, findings=findings)
+    return moves if change is None else refed(moves, change)
+
+
+def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
+    """A move to each point. Raises ReachError where the machine cannot follow the tool axes."""
+    rotary = machine.choose_rotary(toolpath)
+    words = np.hstack([toolpath.tip, rotary])
+    way = np.diff(words, axis=0, prepend=words[:1])
+    way[:, :3] = toolpath.tip - toolpath.way_start
+    length = np.linalg.norm(way[:, :3], axis=1)
+    length[length < STILL] = 0.0
+    direction = way[:, :3] / np.where(length > 0.0, length, np.inf)[:, None]
+    count = len(words)
+    return Commanded(
+        words=words,
+        way=way,
+        rotary_joints=tuple(machine.joints[i] for i in machine.rotary),
+        tip_mode=np.ones(count, dtype=bool),
+        tool_length=toolpath.tool_length,
+        rapid=toolpath.rapid,
+        speed=toolpath.feed,
+        turn=np.full(count, np.inf),
+        time=toolpath.least_time,
+        length=length,
+        begin=direction,
+        end=direction.copy(),
+        radius=np.full(count, np.inf),
+        centre=np.full((count, 3), np.nan),
+        normal=np.zeros((count, 3)),
+        sweep=np.zeros(count),
+        line=toolpath.block,
+        stop=toolpath.stop,
+        joining=np.full(count, BLENDED),
+        tolerance=np.full(count, np.inf),
+        cam_tolerance=np.full(count, np.nan),
+        dwell=toolpath.dwell,
+        operation=toolpath.operation,
+        operations=toolpath.operations,
+        blocks=toolpath.blocks,
+        source=toolpath.source,
+    )
+
+
+def refed(moves: Commanded, change: FeedChange) -> Commanded:
+    """The moves with their feeds changed; rapids keep having none.
+
+    As of tool paths: a value rules where X, Y, Z move, turns in place keep their time or speed.
+    """
+    if change.speed is None:
+        factor = change.factor
+        return replace(moves, speed=moves.speed * factor, turn=moves.turn * factor, time=moves.time / factor)
+    if np.isinf(change.speed):
+        free = np.full(len(moves), np.inf)
+        return replace(moves, speed=free, turn=free.copy(), time=np.zeros(len(moves)))
+    ruled = ~moves.rapid & (moves.length > 0.0)
+    return replace(moves, speed=np.where(ruled, change.speed, moves.speed), time=np.where(ruled, 0.0, moves.time))

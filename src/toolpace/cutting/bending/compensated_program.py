@@ -29,7 +29,7 @@ from toolpace.path.axispath.axispath import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import Planner, plan
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 CONVERGED = 1e-6

@@ -1,24 +1,45 @@
-"""The folder of a batch, written by one batch at a time."""
+"""The folder of a batch, written by one batch at a time: its tables, and its page of one row a job."""
 
 from __future__ import annotations
 
+import math
 import os
 import secrets
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
+from typing import TypeVar
+from urllib.parse import quote
 
 import msgspec
 
+from toolpace.common.description import counted
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
+from toolpace.common.units import format_time
 from toolpace.common.version import __version__
-from toolpace.jobs.batch.result_row import BatchRow
-from toolpace.jobs.batch.work import MARK, Place
+from toolpace.jobs.batch.job import BAD, ERROR, GOOD, WAITING, BatchRow
+from toolpace.jobs.batch.work import INSPECTED, MARK, TIMED, Place
 from toolpace.kernels.lock import FileLock
+from toolpace.results.report import shell
+from toolpace.results.report.words import at_most, limit_words, percent
 
 TABLE, PARQUET, PAGE = "batch.json", "batch.parquet", "batch.html"
 """Names of the tables beside the folders of the jobs."""
+RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspect": INSPECTED}
+"""What a row leads to, in the folder of its job."""
+RECORD = "plan.json"
+"""What it leads to where the report is left out."""
+HEADINGS = (
+    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
+    ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Limited by, or what is wrong", ""),
+)  # fmt: skip
+OPTIONAL = {"Optimum", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
+"""Columns that are left out where no row has anything in them."""
+Number = TypeVar("Number", int, float)
+Cell = tuple[str, float | None, str]
+"""HTML, the figure that it is sorted by or None for words, and its class."""
 
 
 @contextmanager
@@ -45,7 +66,6 @@ def batch_folder(out: str | os.PathLike[str]) -> Iterator[Place]:
 
 def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:
     """Write the tables of a batch, each whole or not at all; return their names, the page last."""
-    from toolpace.jobs.batch.page import batch_page
 
     written = [TABLE]
     said = {"toolpace_version": __version__, "jobs": rows}
@@ -80,3 +100,97 @@ def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
     with whole_file(file) as temporary:
         pyarrow.parquet.write_table(pa.table(columns), temporary)
     return True
+
+
+def batch_page(rows: Sequence[BatchRow]) -> str:
+    """The whole HTML text."""
+    table = [_cells(row) for row in rows]
+    shown = [k for k, (name, _) in enumerate(HEADINGS) if name not in OPTIONAL or any(cells[k][0] for cells in table)]
+    head = "".join(f'<th class="{HEADINGS[k][1]}">{HEADINGS[k][0]}</th>' for k in shown)
+    done = sum(row.verdict != WAITING for row in rows)
+    fields = {
+        "lead": f"{counted(len(rows), 'job')}, {done} of them ended",
+        "verdict": _badge(rows),
+        "cards": _cards(rows),
+        "head": head,
+        "rows": "\n".join(f"<tr>{''.join(_html(cells[k]) for k in shown)}</tr>" for cells in table),
+    }
+    return shell.whole_page("toolpace.jobs.batch", "page", "Batch", fields)
+
+
+def _badge(rows: Sequence[BatchRow]) -> str:
+    wrong = sum(not row.ok for row in rows)
+    waiting = sum(row.verdict == WAITING for row in rows)
+    if not wrong:
+        return '<span class="badge good">all is well</span>'
+    if waiting == wrong:
+        return f'<span class="badge quiet">{waiting} not run yet</span>'
+    return f'<span class="badge bad">{wrong - waiting} of {len(rows)} failed</span>'
+
+
+def _cards(rows: Sequence[BatchRow]) -> str:
+    times = [row.duration_s for row in rows if row.duration_s is not None]
+    cards = [("Jobs done", str(sum(row.ok for row in rows)), f"of {len(rows)}", "big")]
+    cards += [
+        (label, str(count), note, "")
+        for label, count, note in (
+            ("Failed", sum(row.verdict in BAD for row in rows), "the verification"),
+            ("Errors", sum(row.verdict == ERROR for row in rows), "no result; the table gives the reason"),
+            ("Not run", sum(row.verdict == WAITING for row in rows), "the same command continues with them"),
+            ("Found", sum(row.found for row in rows), "done by an earlier batch"),
+        )
+        if count
+    ]
+    if times:
+        cards.append(("Total time", format_time(sum(times)), f"of {counted(len(times), 'motion')}", ""))
+    gaps = [row.gap for row in rows if row.gap is not None]
+    if gaps:
+        cards.append(("Largest gap", at_most(max(gaps)), "of a time to the lower bound on its mesh", ""))
+    took = sum(row.seconds for row in rows)
+    if took:
+        cards.append(("Computed in", format_time(took), "sum of all workers", ""))
+    return shell.cards(cards)
+
+
+def _cells(row: BatchRow) -> list[Cell]:
+    """In the order of the headings."""
+    verdict = "good" if row.verdict in GOOD else "quiet" if row.verdict == WAITING else "bad"
+    limits = ", ".join(
+        f"{limit_words(name)} {percent(share)}"
+        for name, share in sorted(row.limited_by.items(), key=lambda item: -item[1])[:2]
+        if share >= 0.01
+    )
+    return [
+        (_linked(row), None, ""),
+        (escape(row.machine), None, ""),
+        (escape(row.verdict), None, verdict),
+        _figure(row.duration_s, format_time),
+        _figure(row.optimum_s, format_time),
+        _figure(row.gap, at_most),
+        _figure(row.blocks, str),
+        _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
+        _figure(row.axis_tolerance_deg, lambda value: f"{value:.4g}°"),
+        (escape(row.feed or ""), None, ""),
+        ("found", 0.0, "n quiet") if row.found else _figure(row.seconds or None, format_time),
+        (f'<span class="why">{escape(row.error)}</span>' if row.error else escape(limits), None, "limits"),
+    ]
+
+
+def _figure(value: Number | None, show: Callable[[Number], str]) -> Cell:
+    if value is None:
+        return "", math.inf, "n"
+    return escape(show(value)), float(value), "n"
+
+
+def _linked(row: BatchRow) -> str:
+    """The program, leading to what came of it."""
+    if not row.folder:
+        return escape(row.program)
+    target = quote(f"{row.folder}/{RESULTS[row.what] if row.report else RECORD}")
+    return f'<a href="{escape(target)}">{escape(row.program)}</a>'
+
+
+def _html(cell: Cell) -> str:
+    text, value, kind = cell
+    by = "" if value is None else ' data-value=""' if math.isinf(value) else f' data-value="{value!r}"'
+    return f'<td class="{kind}"{by}>{text}</td>'

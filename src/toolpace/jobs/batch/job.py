@@ -1,4 +1,4 @@
-"""One job of a batch: a program, a machine, and what to do with them."""
+"""One job of a batch: a program, a machine and what to do with them; and the row of what came of it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from toolpace.common.errors import UsageError, did_you_mean
+import msgspec
+
+from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import (
     DEGREE,
     LONGEST_TOOL,
@@ -20,12 +22,14 @@ from toolpace.common.units import (
     refuse_other_unit,
 )
 from toolpace.jobs.job import AXIS_TOLERANCES, TIME_STEPS, TIP_TOLERANCES
-
-if TYPE_CHECKING:
-    from toolpace.machine.machine import Machine
+from toolpace.machine.machine import Machine
 
 KINDS = ("plan", "time", "inspect", "export")
 """What can be done with a program."""
+WAITING, ERROR = "not run", "error"
+GOOD = ("verified", "timed", "read")
+BAD = ("failed",)
+"""What a verdict may be; BAD: the motion broke something, and is written all the same."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,16 +83,16 @@ class BatchJob:
     """Options of that target, as `tp.export` has them."""
 
     def __post_init__(self) -> None:
-        from toolpace.motion.set_point_files import form_named
+        from toolpace.motion.files.set_point_files import form_named
         from toolpace.planning.planner import PLANNERS
         from toolpace.planning.program_plan import EFFORTS
 
-        known("what", self.what, KINDS)
-        known("planner", self.planner, tuple(PLANNERS))
-        known("effort", self.effort, EFFORTS)
-        within("tip_tolerance", self.tip_tolerance, TIP_TOLERANCES, format_length)
-        within("axis_tolerance", self.axis_tolerance, AXIS_TOLERANCES, format_angle)
-        within("dt", self.dt, TIME_STEPS, format_time)
+        refuse_unknown("what", self.what, KINDS)
+        refuse_unknown("planner", self.planner, tuple(PLANNERS))
+        refuse_unknown("effort", self.effort, EFFORTS)
+        refuse_beyond("tip_tolerance", self.tip_tolerance, TIP_TOLERANCES, format_length)
+        refuse_beyond("axis_tolerance", self.axis_tolerance, AXIS_TOLERANCES, format_angle)
+        refuse_beyond("dt", self.dt, TIME_STEPS, format_time)
         if self.tool_length is not None:
             refuse_other_unit(self.tool_length, LONGEST_TOOL, "tool_length", METRES)
         if self.prove_within is not None and not self.prove_within > 0.0:
@@ -113,20 +117,93 @@ class BatchJob:
         if self.model is not None:
             from toolpace.controls.timing.figures import MODELS
 
-            known("model", self.model, tuple(MODELS))
+            refuse_unknown("model", self.model, tuple(MODELS))
         if self.to is not None:
             from toolpace.controls.export import target_of
 
             target_of(self.to, dict(self.export))
 
 
-def known(name: str, value: str, choices: tuple[str, ...]) -> None:
+def refuse_unknown(name: str, value: str, choices: tuple[str, ...]) -> None:
     """Raise UsageError where a word is none of these."""
     if value not in choices:
         raise UsageError(f"{name} = {str(value)[:40]!r} is not known; {did_you_mean(str(value), choices)}")
 
 
-def within(name: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> None:
+def refuse_beyond(name: str, value: float, bounds: tuple[float, float], show: Callable[[float], str]) -> None:
     """Raise UsageError where a figure is beyond its bounds."""
     if not (isinstance(value, (int, float)) and math.isfinite(value) and bounds[0] <= value <= bounds[1]):
         raise UsageError(f"{name} = {value!r:.40}: give a value from {show(bounds[0])} to {show(bounds[1])}")
+
+
+class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
+    """One job and what came of it; what is not known, or not of this kind of job, is null."""
+
+    program: str
+    """As it was named."""
+    machine: str
+    what: str
+    planner: str
+    effort: str
+    tip_tolerance_mm: float
+    axis_tolerance_deg: float
+    feed: str | None = None
+    verdict: str = WAITING
+    """verified or failed (plan, export), timed, read; error; not run."""
+    error: str = ""
+    """One line."""
+    duration_s: float | None = None
+    """Of the plan; of `time`, on the control."""
+    optimum_s: float | None = None
+    """Of `time`: of the fastest motion."""
+    lower_bound_s: float | None = None
+    gap: float | None = None
+    limited_by: dict[str, float] = {}
+    """Share of the duration in which each limit binds."""
+    blocks: int | None = None
+    folder: str = ""
+    """Of its results, in that of the batch; empty where there are none."""
+    report: bool = True
+    """Whether a report was asked for, of what has one."""
+    exported: str = ""
+    """Of `export`: the folder of the files, beside it."""
+    key: str = ""
+    seconds: float = 0.0
+    """Time that the job took, where it was done [s]."""
+    worker: str = ""
+    found: bool = False
+    """Whether it was done before, and its folder found."""
+    elsewhere: bool = False
+    """Whether another worker may fare better: this one could not write."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether all is well."""
+        return self.verdict in GOOD
+
+    @property
+    def limit(self) -> str:
+        """What binds most, as `limited_by` names it; empty where that is not known."""
+        limits = {name: share for name, share in self.limited_by.items() if name not in ("nothing", "dwell")}
+        return max(limits, key=lambda name: limits[name]) if limits else ""
+
+    @property
+    def exit_code(self) -> int:
+        """0: all is well; 1: a verification failed; 2: there is no result."""
+        return 0 if self.ok else 1 if self.verdict in BAD else 2
+
+
+def waiting(job: BatchJob) -> BatchRow:
+    """The row of a job that has not begun."""
+    machine = job.machine.name if isinstance(job.machine, Machine) else str(job.machine or "")
+    return BatchRow(
+        program=printable(str(job.program)),
+        machine=printable(machine),
+        what=job.what,
+        planner=job.planner,
+        effort=job.effort,
+        tip_tolerance_mm=job.tip_tolerance / MILLIMETRE,
+        axis_tolerance_deg=job.axis_tolerance / DEGREE,
+        feed=job.feed,
+        report=job.report or job.what not in ("plan", "export"),
+    )

@@ -1,4 +1,4 @@
-"""Jobs from a TOML file.
+"""Jobs from a TOML file, and programs from a file, a folder or a pattern.
 
 [all]
 machine = ["xyzac-trunnion", "my-mill.toml"]
@@ -10,16 +10,21 @@ tip_tolerance = ["5um", "10um"]
 
 from __future__ import annotations
 
+import functools
+import glob
 import itertools
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from toolpace.common import units
 from toolpace.common.errors import ToolpaceError, UsageError
+from toolpace.common.files import is_folder
 from toolpace.common.files.tables import TableFile, Tables
 from toolpace.jobs.batch.job import BatchJob
-from toolpace.jobs.batch.programs import programs_in
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.languages import SUFFIXES
 
 FILE = TableFile("file of jobs", longest=10_000_000)
 MOST = 1_000_000
@@ -44,6 +49,32 @@ SWITCHES = ("csv", "report", "skip_unknown", "lenient", "optimum")
 KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "export")
 
 
+@functools.cache
+def suffixes() -> frozenset[str]:
+    """With which names of programs end, in lower case."""
+    built_in = (Controller.load(name).suffixes for name in Controller.names())
+    return frozenset(SUFFIXES).union(*built_in)
+
+
+def programs_in(named: str) -> list[str]:
+    """The programs that a name stands for, in the order of their names; none where nothing fits.
+
+    A file is itself, whatever it is called, and so is what is not there: whoever reads it says so. Of a folder it is
+    the files whose names end like those of programs, of a pattern (*.ngc) those that fit.
+    """
+    path = Path(named)
+    if is_folder(path):
+        return sorted(str(each) for each in path.iterdir() if each.is_file() and _is_program(each))
+    if os.path.lexists(path) or not glob.has_magic(named):
+        return [named]
+    # Not Path's: its ** stands for folders alone, and its * for hidden files too.
+    return sorted(each for each in glob.glob(named, recursive=True) if Path(each).is_file())  # noqa: PTH207
+
+
+def _is_program(path: Path) -> bool:
+    return path.suffix.lower() in suffixes() and not path.name.startswith(".")
+
+
 def jobs_of_file(path: str | Path) -> list[BatchJob]:
     """The jobs in a file, in its order. Raises UsageError naming file, table, key and cure."""
     source = str(path)
@@ -63,11 +94,11 @@ class _File(Tables):
         self.known("the file", self.raw, ("all", "jobs"))
         common = self.table("all")
         self.check("[all]", common)
-        given = self.raw.get("jobs", [{}] if common else [])
-        if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
+        tables = self.raw.get("jobs", [{}] if common else [])
+        if not isinstance(tables, list) or not tables or not all(isinstance(each, dict) for each in tables):
             self.fail("jobs", "are missing; write each table of jobs under the heading [[jobs]]")
         found: list[BatchJob] = []
-        for number, each in enumerate(given, start=1):
+        for number, each in enumerate(tables, start=1):
             place = f"[[jobs]] number {number}"
             self.check(place, each)
             found += self.jobs(place, {**common, **each})

@@ -13,9 +13,9 @@ import msgspec
 
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import changed, whole_folder
+from toolpace.jobs import TimedSteps
+from toolpace.jobs.batch.job import ERROR, BatchRow, waiting
 from toolpace.jobs.batch.prepared_job import Prepared
-from toolpace.jobs.batch.result_row import ERROR, BatchRow, waiting
-from toolpace.jobs.steps import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.write import PLAN, PlanRecord, read_plan
 
@@ -66,9 +66,9 @@ def failed(prepared: Prepared, error: ToolpaceError) -> BatchRow:
     """The row of a job that came to nothing."""
     # `from None` hides what was behind an error from people, and keeps it.
     disk = isinstance(error.__context__, OSError) and error.__context__.errno in DISK
-    told = str(error).replace(printable(prepared.path), printable(str(prepared.job.program)))
+    message = str(error).replace(printable(prepared.path), printable(str(prepared.job.program)))
     return msgspec.structs.replace(
-        waiting(prepared.job), verdict=ERROR, error=" ".join(told.split()), key=prepared.key, elsewhere=disk
+        waiting(prepared.job), verdict=ERROR, error=" ".join(message.split()), key=prepared.key, elsewhere=disk
     )
 
 
@@ -159,10 +159,10 @@ def _export_name(prepared: Prepared) -> str:
 
 
 def _time(folder: Path, prepared: Prepared) -> BatchRow:
-    from toolpace.jobs.timed import Asked, time_record, timed
+    from toolpace.jobs.timed import TimeRequest, time_record, timed
 
     job = prepared.job
-    asked = Asked(
+    request = TimeRequest(
         machine=prepared.machine,
         options=prepared.options,
         model=job.model,
@@ -171,7 +171,7 @@ def _time(folder: Path, prepared: Prepared) -> BatchRow:
         tolerances=(job.tip_tolerance, job.axis_tolerance),
         optimum=job.optimum,
     )
-    found = timed(prepared.path, asked, TimedSteps(), prepared.source)
+    found = timed(prepared.path, request, TimedSteps(), prepared.source)
     return _row_of_time(prepared, _write(folder, TIMED, prepared, time_record(found, prepared.machine.name)))
 
 
@@ -193,8 +193,7 @@ def _timed(folder: Path, prepared: Prepared) -> BatchRow:
 
 
 def _inspect(folder: Path, prepared: Prepared) -> BatchRow:
-    from toolpace.jobs.following import follow_as_planned
-    from toolpace.jobs.inspected import inspection_record
+    from toolpace.jobs.inspection import follow_as_planned, inspection_record
     from toolpace.programs.reading.inspection import inspect_source
 
     job = prepared.job

@@ -31,7 +31,7 @@ from toolpace.path.fit.smooth import tighten
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.fit.spline import Spline
 from toolpace.path.run import SplineRun
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 SLOW = 0.3

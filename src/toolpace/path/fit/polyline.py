@@ -15,7 +15,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.half_ball import HalfBall, unit
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 LEAST_CELL = 1e-7

@@ -27,7 +27,7 @@ from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import plan
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 

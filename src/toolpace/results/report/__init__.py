@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.toolpath import ToolPath
-    from toolpace.results.report.figures import PlanFigures
+    from toolpace.results.report.key_figures import PlanFigures
 
 __all__ = ["follow_report", "limit_shares", "report", "write_report"]
 

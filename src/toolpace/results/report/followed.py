@@ -16,8 +16,8 @@ from toolpace.common.files import whole_file
 from toolpace.common.units import format_time
 from toolpace.machine.limits import KINDS
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.results.report.series import extremes
-from toolpace.results.report.shell import whole_page
+from toolpace.results.report import shell
+from toolpace.results.report.charts import extremes
 
 if TYPE_CHECKING:
     from toolpace.deflection.following import SetPoint
@@ -71,7 +71,8 @@ def _page(setpoints: Sequence[SetPoint], machine: Machine, errors: Mapping[str, 
         "cards": _cards(setpoints, used, errors),
         "points": f"{len(setpoints):,}".replace(",", " "),
     }
-    return whole_page("toolpace.results.report", "followed", title, fields, _data(setpoints, machine, used, errors))
+    data = _data(setpoints, machine, used, errors)
+    return shell.whole_page("toolpace.results.report", "followed", title, fields, data)
 
 
 def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Mapping[str, Floats]) -> str:
@@ -89,11 +90,7 @@ def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Ma
         cards.append((f"Error {name}", f"{rms:.1f} µm", note))
     cards.append(("Highest use of a limit", f"{100.0 * used[worst][2].max():.1f} %", f"{worst}, path and correction"))
     cards.append(("Pace", f"{pace.min():.2f} to {pace.max():.2f}", "share of the plan's speed"))
-    return "\n".join(
-        f'<div class="card{" big" if k == 0 else ""}"><div class="label">{escape(label)}</div>'
-        f'<div class="value">{escape(value)}</div><div class="note">{escape(note)}</div></div>'
-        for k, (label, value, note) in enumerate(cards)
-    )
+    return shell.cards((*card, "" if k else "big") for k, card in enumerate(cards))
 
 
 def _data(

@@ -1,4 +1,4 @@
-"""The report page: tables, and data for its script."""
+"""The report page: its tables, and the data for its script, from a motion and its verification."""
 
 from __future__ import annotations
 
@@ -10,25 +10,37 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.common.description import counted
+from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.machine.limits import KINDS
+from toolpace.motion.operation_times import OperationTime, operation_times
 from toolpace.motion.setpoints import SetPoints
-from toolpace.results.report.figures import PlanFigures
-from toolpace.results.report.limiting import NOTHING, binding, limit_names
-from toolpace.results.report.operations import operations_section
-from toolpace.results.report.scene import scene_data, stations
-from toolpace.results.report.series import blocks_over_time, channels, deviations, encoded, feed_cap, packed
+from toolpace.results.report.charts import (
+    NOTHING,
+    binding,
+    blocks_over_time,
+    channels,
+    deviations,
+    encoded,
+    feed_cap,
+    limit_names,
+    packed,
+    scene_data,
+    stations,
+)
+from toolpace.results.report.key_figures import PlanFigures, key_figures
 from toolpace.results.report.shell import whole_page
 from toolpace.results.report.words import (
+    BARS,
+    LEAST_SHARE,
     NEUTRAL,
+    OPERATIONS,
+    WORTH_A_WORD,
     at_most,
     colours,
     four_digits,
     joint_colour,
     limit_words,
-    mesh_gap,
-    motion_gap,
     percent,
 )
 
@@ -39,14 +51,7 @@ if TYPE_CHECKING:
 
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
-WORTH_A_WORD = 1e-3
-"""Gap from which they are listed."""
-SHOWN = 5e-4
-"""Share of the time below which a limit gets no bar: it would say 0.0 %."""
-BARS = 12
-"""Limits that get a bar at most: of more, the least are hardly seen."""
-SIDES = {"outside": "only out of the part", "above": "only up along the tool"}
-"""Words of tolerances that say on which side of the program the tip must be, and what they mean."""
+HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
 STRIP = 20_000
 """Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
 
@@ -70,12 +75,12 @@ def report_page(
         "program": escape(program),
         "machine": escape(where),
         "verdict": _verdict(verification),
-        "cards": _cards(trajectory, setpoints, toolpath, verification, figures),
+        "cards": key_figures(trajectory, setpoints, toolpath, verification, figures),
         "insight": _insight(trajectory.limited_by()),
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
         "usage": _usage(trajectory, units),
-        "operations": operations_section(trajectory, toolpath),
+        "operations": _operations(trajectory, toolpath),
         "checks": _checks(verification),
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
@@ -128,110 +133,6 @@ def _verdict(verification: Verification | None) -> str:
     return f'<span class="badge bad">verification failed · {len(verification.findings)} findings</span>'
 
 
-def _cards(
-    trajectory: Trajectory,
-    setpoints: SetPoints,
-    toolpath: ToolPath | None,
-    verification: Verification | None,
-    figures: PlanFigures | None,
-) -> str:
-    """The figures one asks for first."""
-    cards = [("Time", format_time(trajectory.duration), "from rest to rest", "big")]
-    if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
-        note = mesh_gap(trajectory.gap)
-        if trajectory.continuous_bound > 0.0:
-            note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
-        cards.append(("Gap", at_most(trajectory.gap), note, ""))
-    if setpoints.has_tool:
-        length = float(setpoints.tip_steps.sum())
-        mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
-        shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
-        cards.append(("Path length of the tip", shown, f"{mean:.0f} mm/min on average", ""))
-    stops = max(len(trajectory.laws) - 1, 0)
-    blocks = (figures.blocks if figures is not None else 0) or (
-        toolpath.blocks or len(toolpath) if toolpath is not None else 0
-    )
-    if blocks:
-        shown = f"{blocks:,}".replace(",", "\u202f")
-        cards.append(("Blocks", shown, counted(stops, "stop"), ""))
-    if trajectory.skipped:
-        left_out = 1e3 * sum(each.length for each in trajectory.skipped)
-        off = 1e3 * max(each.off for each in trajectory.skipped)
-        cards.append(("Left out of the path", f"{left_out:.4g} mm", f"up to {off:.4g} mm off the path of the tip", ""))
-    cards += _deviations(verification, figures)
-    if figures is not None:
-        cards += _iterations(figures, trajectory.duration)
-    if figures is not None and figures.bending is not None:
-        bent, rounds = figures.bending.largest_mm * 1e3, figures.bending.rounds
-        note = f"at most, the path is shifted against it; {counted(rounds, 'iteration')}"
-        cards.append(("Bending compensated", f"{bent:.2f} µm", note, ""))
-    worst = trajectory.usage().worst
-    cards.append(("Highest use of a limit", percent(worst), "at any time, of all limits", ""))
-    if figures is not None:
-        spent = figures.fit_s + figures.solve_s
-        cards.append(("Computed in", f"{spent:.2f} s", f"{trajectory.mesh_points} mesh points", ""))
-    return "\n".join(
-        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
-        f'<div class="note">{escape(note)}</div></div>'
-        for label, value, note, kind in cards
-    )
-
-
-def _side(tolerances: str | None) -> str:
-    """Where alone the tip may be, in the words of tolerances as plan.json has them; empty where that is both sides."""
-    words = (tolerances or "").split(",")
-    return next((f"; {told}" for word, told in SIDES.items() if word in words), "")
-
-
-def _deviations(verification: Verification | None, figures: PlanFigures | None) -> list[tuple[str, str, str, str]]:
-    """How far tip and axis are off the program, as far as it is known."""
-    cards = []
-    tip = _worse(
-        figures.tip_deviation_mm if figures is not None else None,
-        verification.tip_deviation if verification is not None else None,
-        1e3,
-    )
-    if tip is not None:
-        allowed = figures.tip_tolerance_mm if figures is not None else None
-        note = f"of {allowed * 1e3:.4g} µm allowed" if allowed else "from the program"
-        note += _near(figures.tip_at_tolerance if figures is not None else None)
-        note += _side(figures.tip_tolerances if figures is not None else None)
-        cards.append(("Tip deviation", f"{tip * 1e3:.2f} µm", note, ""))
-    axis = _worse(
-        figures.axis_deviation_deg if figures is not None else None,
-        verification.axis_deviation if verification is not None else None,
-        180.0 / math.pi,
-    )
-    if axis is not None:
-        allowed = figures.axis_tolerance_deg if figures is not None else None
-        note = f"of {allowed:.4g}° allowed" if allowed else "from the program"
-        note += _near(figures.axis_at_tolerance if figures is not None else None)
-        cards.append(("Axis deviation", f"{axis:.4f}°", note, ""))
-    return cards
-
-
-def _near(share: float | None) -> str:
-    """On how much of the way a tolerance is used, where that is known."""
-    return "" if share is None else f"; more than 90 % of it is used on {percent(share)} of the path"
-
-
-def _iterations(figures: PlanFigures, planned: float) -> list[tuple[str, str, str, str]]:
-    """The time after each iteration of path and speed, and what they save; `planned`: duration of the plan [s]."""
-    if len(figures.rounds) < 2:
-        return []
-    first = figures.rounds[0].duration_s
-    steps = " → ".join(f"{each.duration_s:.2f}" for each in figures.rounds)
-    note = f"less time than the first path; effort {figures.effort}: {steps} s"
-    return [("Saved by iterations", percent(max(1.0 - planned / first, 0.0)), note, "")]
-
-
-def _worse(told: float | None, judged: float | None, scale: float) -> float | None:
-    """The larger of two deviations as far as they are known, in shop-floor units."""
-    known = [float(told)] if told is not None else []
-    known += [judged * scale] if judged is not None and math.isfinite(judged) else []
-    return max(known) if known else None
-
-
 def _insight(shares: Mapping[str, float]) -> str:
     """One sentence: what to change to be faster."""
     ranked = [(name, share) for name, share in shares.items() if name not in ("nothing", "dwell")]
@@ -247,7 +148,7 @@ def _insight(shares: Mapping[str, float]) -> str:
 def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
     """Share of the time that each limit binds, largest first, as bars."""
     rows = []
-    shown = [(name, share) for name, share in shares.items() if share >= SHOWN]
+    shown = [(name, share) for name, share in shares.items() if share >= LEAST_SHARE]
     top = max((share for _, share in shown), default=1.0)
     for name, share in sorted(shown, key=lambda item: -item[1])[:BARS]:
         colour = palette.get(name, NEUTRAL)
@@ -315,3 +216,48 @@ def _checks(verification: Verification | None) -> str:
         '<div class="scroll"><table class="checks"><thead><tr><th>Check</th><th>Worst</th><th>Allowed</th>'
         f"<th>Where</th><th></th></tr></thead><tbody>{''.join(rows)}</tbody></table></div></details></section>"
     )
+
+
+def _operations(trajectory: Trajectory, toolpath: ToolPath | None) -> str:
+    """A table of operations, and what was assumed and skipped; empty where there is no program."""
+    if toolpath is None:
+        return ""
+    tables = _operation_times(operation_times(trajectory, toolpath)) + _assumed(toolpath)
+    return f'<section class="panel"><h2>Operations</h2>{tables}</section>' if tables else ""
+
+
+def _operation_times(times: list[OperationTime]) -> str:
+    if not times:
+        return ""
+    longest = sorted(range(len(times)), key=lambda k: -times[k].time)[:OPERATIONS]
+    shown = [times[k] for k in sorted(longest)]
+    rest = len(times) - len(shown)
+    rows = "".join(_operation(each.name or "", each.tool, each, "") for each in shown)
+    total = OperationTime(
+        "", "", sum(each.cutting for each in times), sum(each.rapid for each in times),
+        sum(each.dwell for each in times), sum(each.stops for each in times),
+    )  # fmt: skip
+    rows += _operation(f"all, and {rest} shorter ones" if rest else "all", "", total, ' class="ok"')
+    head = "".join(f"<th>{heading}</th>" for heading in HEADINGS)
+    return (
+        f'<div class="scroll"><table class="checks"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+    )
+
+
+def _operation(name: str, tool: str, each: OperationTime, kind: str) -> str:
+    cells = [printable(name), printable(tool), *map(_time, (each.time, each.cutting, each.rapid, each.dwell))]
+    shown = "".join(f"<td>{escape(cell)}</td>" for cell in (*cells, str(each.stops)))
+    return f"<tr{kind}>{shown}</tr>"
+
+
+def _time(seconds: float) -> str:
+    return format_time(seconds) if seconds else "-"
+
+
+def _assumed(toolpath: ToolPath) -> str:
+    """Sentences, folded away."""
+    if not toolpath.assumed:
+        return ""
+    items = "".join(f"<li>{escape(printable(sentence))}</li>" for sentence in toolpath.assumed)
+    heading = f"Assumed of the program ({len(toolpath.assumed)})"
+    return f"<details><summary>{heading}</summary><ul>{items}</ul></details>"

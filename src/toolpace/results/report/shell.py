@@ -1,14 +1,28 @@
-"""The frame of every page: head, styles, data, chart library, script, policy."""
+"""The frame of every page: head, styles, data, chart library, script, and a content security policy.
+
+Scripts and style sheets run where their checksums are those of the ones written here; whatever found its way in by the
+name of a program does not. There is no network.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import base64
+import hashlib
+import re
+from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files
 from string import Template
 
 from toolpace.common.version import __version__
-from toolpace.results.report.policy import with_policy
+
+_INLINE = re.compile(r"<(script|style)((?: [^>]*)?)>(.*?)</\1>", re.DOTALL)
+_HEAD = '<meta charset="utf-8">'
+_EMPTY = ""
+"""plotly makes an empty style sheet and puts its rules into it one by one."""
+_SHEET = re.compile(r'getElementById\("([0-9a-f]{64})"\)')
+"""What plotly looks for before it adds its style sheet of maps, which would be refused, with a word in the console: an
+empty sheet of that name is there already."""
 
 
 def whole_page(room: str, name: str, title: str, fields: Mapping[str, str], data: str | None = None) -> str:
@@ -47,3 +61,38 @@ def framed(title: str, body: str, style: str = "", script: str = "", data: str |
         scripts=drawn + "\n".join(f"<script>\n{each}\n</script>" for each in scripts),
     )
     return with_policy(page)
+
+
+def cards(figures: Iterable[tuple[str, str, str, str]], between: str = "\n") -> str:
+    """Figures as cards (HTML): label, value, note and class of each."""
+    return between.join(
+        f'<div class="card {kind}"><div class="label">{escape(label)}</div><div class="value">{escape(value)}</div>'
+        f'<div class="note">{escape(note)}</div></div>'
+        for label, value, note, kind in figures
+    )
+
+
+def with_policy(page: str) -> str:
+    """The page with a policy for all that stands in it, right behind the declaration of its letters."""
+    held: dict[str, list[str]] = {"script": [], "style": [checksum(_EMPTY)]}
+    for kind, attributes, text in _INLINE.findall(page):
+        # Data is nothing that runs.
+        if "json" not in attributes:
+            held[kind].append(checksum(text))
+    scripts, styles = (" ".join(dict.fromkeys(held[kind])) for kind in ("script", "style"))
+    # Widths and colours of bars are attributes of their elements, and so is much of what plotly draws.
+    policy = (
+        f"default-src 'none'; script-src {scripts}; style-src-elem {styles}; style-src-attr 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+    before, found, behind = page.partition(_HEAD)
+    if not found:
+        raise ValueError(f"a page without {_HEAD}")
+    sheets = "".join(f'\n<style id="{each}"></style>' for each in dict.fromkeys(_SHEET.findall(behind)))
+    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{sheets}{behind}'
+
+
+def checksum(text: str) -> str:
+    """A text as a policy names it; a browser reads every line end as a line feed."""
+    digest = hashlib.sha256(text.replace("\r\n", "\n").replace("\r", "\n").encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"

@@ -1,4 +1,4 @@
-"""Texts, number formats and colours of the report."""
+"""Texts, number formats and colours of the report, and what is too little to be listed in it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,14 @@ import math
 
 from toolpace.machine.limits import KINDS
 
+WORTH_A_WORD = 1e-3
+"""Gap from which its largest parts are located."""
+LEAST_SHARE = 5e-4
+"""Share of the time below which a limit is not listed: it would say 0.0 %."""
+BARS = 12
+"""Limits that get a bar at most: of more, the least are hardly seen."""
+OPERATIONS = 200
+"""Operations that are listed: of more, those that take longest, in the order of the program."""
 FEED = "#14a37f"
 """Colour of the feed."""
 NEUTRAL = "#c3c9d2"
@@ -41,9 +49,9 @@ def _paler(colour: str, share: float) -> str:
 
 def limit_words(name: str) -> str:
     """The name of a limit as one says it: "jerk A" is "Jerk of A"."""
-    known = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
+    whole = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
-    return known.get(name) or f"{kind.capitalize()} of {joint}"
+    return whole.get(name) or f"{kind.capitalize()} of {joint}"
 
 
 def percent(share: float) -> str:

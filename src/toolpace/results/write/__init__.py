@@ -12,7 +12,7 @@ import msgspec
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_folder
 from toolpace.machine.machine import Machine
-from toolpace.motion.set_point_files import (
+from toolpace.motion.files.set_point_files import (
     COMPACT_FILE,
     FULL_FILE,
     MACHINE,
@@ -21,7 +21,7 @@ from toolpace.motion.set_point_files import (
     set_points_file,
     write_set_points,
 )
-from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
+from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.results.write.csv import write_csv
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
@@ -69,8 +69,8 @@ def write_folder(
         form = form_of(npz, len(result.setpoints), len(result.machine.joints))
         # who reads them has the machine of the file, whose figures were rounded to decimals
         write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
-        if form != "no" and is_writable(result.trajectory):
-            write_trajectory(folder / TRAJECTORY, result.trajectory)
+        if form != "no" and is_writable(result.trajectory.axis_path, result.trajectory.laws):
+            write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
         write_how_read(folder, result.options)

@@ -18,7 +18,7 @@ from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.motion.operation_times import operation_times
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write import figures
 from toolpace.results.write.plan_json import PLAN, BendingRecord, PlanRecord
 from toolpace.results.write.reading_options import reading_record

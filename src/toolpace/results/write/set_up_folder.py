@@ -15,16 +15,14 @@ from toolpace.common.files import whole_folder
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.common.version import __version__
 from toolpace.programs.reading.setup_file import setup_text
-from toolpace.results.report.place_map import map_svg
-from toolpace.results.report.set_up_page import set_up_page
+from toolpace.results.report.set_up_page import map_svg, set_up_page
 from toolpace.results.write.cldata import cldata_text
-from toolpace.setup_search.search_result import sheet_of, with_sheet
+from toolpace.setup_search.found_set_up import sheet_of, with_sheet
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading.coordinates.setup import SetUp
-    from toolpace.setup_search.search_result import FoundSetUp
-    from toolpace.setup_search.verified_set_up import PlannedSetUp
+    from toolpace.setup_search.found_set_up import FoundSetUp, PlannedSetUp
 
 RECORD, PAGE, MAP, SHEET, MACHINE, PROGRAM = (
     "setup.json", "setup.html", "map.svg", "setup.toml", "machine.toml", "program.apt",

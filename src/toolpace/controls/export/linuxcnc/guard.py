@@ -70,11 +70,11 @@ class Guard:
 
     def difference(self, text: str) -> float:
         """Largest relative difference of the limits in the text of limits.hal; inf where one is missing or too many."""
-        told = [line.split()[1:] for line in text.splitlines() if line.startswith("setp ")]
+        lines = [line.split()[1:] for line in text.splitlines() if line.startswith("setp ")]
         right = [(PLAN, 0.0), *self._windows(), (PLAN, float(self.stamp))]
-        if [pin for pin, _ in told] != [pin for pin, _ in right]:
+        if [pin for pin, _ in lines] != [pin for pin, _ in right]:
             return math.inf
-        return max(abs(float(value) - due) / max(abs(due), 1e-300) for (_, value), (_, due) in zip(told, right))
+        return max(abs(float(value) - due) / max(abs(due), 1e-300) for (_, value), (_, due) in zip(lines, right))
 
     def _windows(self) -> Iterator[tuple[str, float]]:
         """Pins of the windows, and their values."""

@@ -21,14 +21,11 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.description import counted
 from toolpace.common.errors import UsageError, VerificationError
-from toolpace.common.units import format_angle, format_length, format_time
+from toolpace.common.units import format_time
 from toolpace.controls.export.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
-from toolpace.controls.export.linuxcnc.sections import Section, sections_of
-from toolpace.controls.export.linuxcnc.stream_text import StreamText, longer_by
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance
-from toolpace.controls.export.rows import Rows, rows_every
+from toolpace.controls.export.linuxcnc.stream_text import Section, StreamText, longer_by, sections_of
+from toolpace.controls.export.motion import PlannedMotion, provenance
+from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every
 from toolpace.controls.export.target import ReadBack, Written
 
 FILE = "stream.ngc"
@@ -44,8 +41,6 @@ AT_REST = (1e-2, 10.0)
 """Velocity and acceleration at which to stop for a joint that no plan moves [mm/s, mm/s^2 or deg]."""
 LIMIT_DIGITS = 1e-8
 """Relative rounding of the guard's limits, which have nine digits."""
-CHUNK = 20_000
-"""Rows that are turned into text at once."""
 OUTPUTS = (0, 63)
 """Digital outputs that LinuxCNC may have."""
 _WORD = re.compile(r"([XYZABCUVW])([-+]?[0-9.]+)")
@@ -107,15 +102,13 @@ class InverseTime:
         (folder / GUARD).write_text(guard.hal(self._guard_head(motion)), encoding="utf-8")
         (folder / LIMITS).write_text(guard.limits(self._limits_head(motion)), encoding="utf-8")
         what = "tip and rotary joints" if self.tip else "joints"
-        show = [format_angle if turns else format_length for turns in motion.rotary]
-        off = ", ".join(f"{joint} {text(value)}" for joint, text, value in zip(motion.joints, show, rows.sag))
         stops = f", waiting for {counted(len(sections) - 1, 'further tool')}" if len(sections) > 1 else ""
         return Stream(
             [FILE, GUARD, LIMITS],
             [
                 f"{len(joints) - len(sections)} blocks of two cycles of {format_time(rows.period / 2)}: {what}, "
                 f"{self.digits} decimals, after {format_time(lead * rows.period)} for the queue to fill{stops}",
-                f"straight from block to block it deviates from the motion by at most {off}",
+                f"straight from block to block it deviates from the motion by at most {motion.by_joint(rows.sag)}",
                 f"highest use of a limit {100.0 * use:.2f} %, by differences of the written positions",
                 f"{GUARD} and {LIMITS} stop LinuxCNC where a joint exceeds its highest planned velocity by "
                 f"{100.0 * (ABOVE[0] - 1.0):.0f} % or its acceleration by {100.0 * (ABOVE[1] - 1.0):.0f} %; LinuxCNC's "

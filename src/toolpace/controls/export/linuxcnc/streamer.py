@@ -17,13 +17,11 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.common.units import format_time
-from toolpace.controls.export.linuxcnc.approach import approach
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.periods import refuse_no_cycle
-from toolpace.controls.export.provenance import provenance, start_in_words
-from toolpace.controls.export.rows import rows_every
+from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
+from toolpace.controls.export.rows import CHUNK, refuse_no_cycle, rows_every
 from toolpace.controls.export.target import ReadBack, Written
 from toolpace.controls.export.tool_changes import refuse_tool_changes
+from toolpace.controls.hal import approach
 
 ROWS, HAL = "rows.txt", "play.hal"
 REST = 1.0
@@ -36,8 +34,6 @@ MOST_PINS = 20
 """Pins of one streamer (streamer(9))."""
 DEPTH = 20_000
 """Rows in the FIFO."""
-CHUNK = 20_000
-"""Rows that are turned into text at once."""
 
 
 @dataclass(frozen=True, kw_only=True)

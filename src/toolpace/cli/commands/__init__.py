@@ -1,0 +1,1 @@
+"""The commands of `toolpace` that have a file of their own."""

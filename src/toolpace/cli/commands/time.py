@@ -1,0 +1,212 @@
+"""The command `time`: the time of programs on a control, as a page, a table or JSON, and its figures from a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from toolpace.cli.console import (
+    LONGEST_NAME,
+    Steps,
+    cells,
+    named_error,
+    new_console,
+    new_table,
+    print_json,
+    short_names,
+)
+from toolpace.common.errors import UsageError, printable
+from toolpace.common.units import format_time
+from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
+
+if TYPE_CHECKING:
+    from toolpace.controls.timing.figures import ControlFigures
+    from toolpace.controls.timing.identify import Identified
+    from toolpace.programs.reading import Controller
+
+MODELS = {
+    "linuxcnc": "its own planner, cycle by cycle",
+    "lookahead": "corners rounded within a tolerance, limits of the axes, blocks looked ahead",
+    "fir": "pulses of velocity through moving averages, corners blended by overlap",
+    "ideal": "the fastest motion within the limits of the axes",
+}
+"""What each model of a control does, in words."""
+FASTER = "the control exceeds limits of joints, or of jerk, that the optimum keeps"
+MOST_PARTS = 60
+"""Operations that a page lists."""
+POOR = 0.05
+"""Share of the duration by which the model may be off on the way; beyond, another model fits better."""
+
+
+def run_time(programs: Sequence[str], request: TimeRequest, as_json: bool) -> int:
+    """Time each program and print what was found; 0 where all could be, else 2. A single one raises ToolpaceError."""
+    console = new_console()
+    # what is under way is shown beside JSON, too, but not among it
+    place = Console(stderr=True, highlight=False, markup=False) if as_json else console
+    alone = len(programs) == 1 and not as_json
+    found = [(timed if alone else timed_or_wrong)(program, request, Steps(place)) for program in programs]
+    if as_json:
+        print_json([time_record(each, request.machine.name) for each in found])
+    else:
+        show(console, found, request.machine.name)
+    return 2 if any(each.error for each in found) else 0
+
+
+def show(console: Console, found: Sequence[Timed], machine: str) -> None:
+    """A page of one program; of many a table, and below it what is wrong."""
+    if len(found) == 1:
+        _show_page(console, found[0], machine)
+    else:
+        _show_table(console, found)
+    for each in found:
+        if each.error:
+            console.print(
+                Text(printable(named_error(each.program, each.error) if len(found) > 1 else each.error)), soft_wrap=True
+            )
+
+
+def _show_page(console: Console, found: Timed, machine: str) -> None:
+    time = found.time
+    if time is None:
+        return
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(overflow="fold")
+    rows = [
+        ("program", f"{found.program}, {found.blocks} blocks"),
+        ("machine", machine),
+        ("control", f"{found.control or 'none named'}; model {found.model}: {MODELS[found.model]}"),
+        ("time", format_time(time.total)),
+        *((kind.replace("_", " "), format_time(time.sum(kind))) for kind in KINDS if time.sum(kind) > 0.0),
+    ]
+    if found.optimum is not None:
+        rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time.total, found.optimum)}"))
+    rows += [("assumed" if k == 0 else "", sentence) for k, sentence in enumerate(found.assumed)]
+    for name, text in rows:
+        grid.add_row(name, Text(printable(text), style="bold" if name == "time" else ""))
+    console.print(grid)
+    if len(time.parts) > 1:
+        _show_parts(console, found)
+
+
+def _show_parts(console: Console, found: Timed) -> None:
+    assert found.time is not None
+    best = {(each.name, each.tool): each.time for each in found.best}
+    headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "rests"]
+    table = new_table([*headings, *(["optimum"] if best else [])], left=("operation", "tool"))
+    for part in found.time.parts[:MOST_PARTS]:
+        times = (part.time, part.cutting, part.rapid, part.dwell, part.tool_change)
+        words = [part.name or "-", part.tool or "-", *(format_time(each) if each else "-" for each in times)]
+        words.append(str(part.rests))
+        if best:
+            least = best.get((part.name, part.tool))
+            words.append("-" if least is None else format_time(least + part.tool_change))
+        table.add_row(*cells(words))
+    console.print(table)
+    if len(found.time.parts) > MOST_PARTS:
+        console.print(f"and {len(found.time.parts) - MOST_PARTS} more operations: --json has all")
+
+
+def _show_table(console: Console, found: Sequence[Timed]) -> None:
+    both = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
+    headings = ["program", "control", "model", "time", "cutting", "rapid", *(["optimum", "saving"] if both else [])]
+    table = new_table(headings, left=("program", "control", "model"))
+    for column in table.columns:
+        column.no_wrap = column.justify == "right"
+    names = short_names([each.program for each in found])
+    table.columns[0].no_wrap = max(map(len, names)) <= LONGEST_NAME
+    for name, each in zip(names, found):
+        if each.time is None:
+            table.add_row(Text(printable(name), style="red"), *["-"] * (len(headings) - 1))
+            continue
+        time = each.time
+        times = [format_time(seconds) for seconds in (time.total, time.sum("cutting"), time.sum("rapid"))]
+        words = [name, each.control or "-", each.model, *times, *(_optimum(time.total, each.optimum) if both else ())]
+        table.add_row(*cells(words))
+    if len(both) > 1:
+        total, optimum = (sum(column) for column in zip(*both))
+        table.add_section()
+        table.add_row("all with an optimum", "", "", format_time(total), "", "", *_optimum(total, optimum))
+    console.print(table)
+    if any(optimum > total for total, optimum in both):
+        console.print(f"saving below zero: {FASTER}", soft_wrap=True)
+
+
+def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
+    return ("-", "-") if optimum is None else (format_time(optimum), f"{100.0 * (1.0 - optimum / total):.1f} %")
+
+
+def _saving(total: float, optimum: float) -> str:
+    """How much less the optimum takes."""
+    share = 1.0 - optimum / total
+    if share >= 0.0:
+        return f"{100.0 * share:.1f} % less"
+    return f"{-100.0 * share:.1f} % more: {FASTER}"
+
+
+def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | None) -> int:
+    """Find the figures from a log of one program, and print them. Raises ToolpaceError."""
+    from toolpace.cli import arguments
+    from toolpace.common.files import write_text
+    from toolpace.controls.timing.identify import identify, load_log
+    from toolpace.controls.timing.program_time import figures_for, moves_of
+    from toolpace.programs.reading import Source
+    from toolpace.programs.reading.languages import with_controller
+
+    if len(programs) != 1:
+        raise UsageError(f"--fit {log}: is the log of one program; give that program alone")
+    target = arguments.file_for_result("--write-controller", write)
+    source = Source.load(programs[0])
+    options, found = with_controller(source, request.dialect, request.options)
+    figures = figures_for(options, request.model)
+    if figures.model == "ideal":
+        raise UsageError("--fit: the model ideal has no figures; choose --model linuxcnc, lookahead or fir")
+    console = new_console()
+    steps = Steps(console)
+    with steps.step("reading") as step:
+        moves = moves_of(source, request.machine, options, request.feed, request.dialect)
+        logged = load_log(log, request.machine)
+        step.note = f"{programs[0]}: {len(moves)} moves, {len(logged.q)} rows of the log"
+    with steps.step("fitting"):
+        identified = identify(moves, request.machine, logged, figures)
+    _say(steps, identified)
+    text = controller_text(found.controller, identified.figures, target.stem if target is not None else "")
+    if target is None:
+        console.print(Text(text), soft_wrap=True)
+    else:
+        write_text(target, text)
+        console.print(Text(printable(f"controller's file: {target}; give it with --controller")), soft_wrap=True)
+    return 0
+
+
+def _say(steps: Steps, found: Identified) -> None:
+    steps.say(f"the log takes {format_time(found.logged)}, the model {format_time(found.modelled)}")
+    steps.say(f"along the program they differ by {format_time(found.misfit)} (root mean square)")
+    if found.misfit > POOR * found.logged:
+        steps.say("that is a lot: is it the log of this program? Does another --model fit better?")
+
+
+def controller_text(controller: Controller | None, figures: ControlFigures, name: str) -> str:
+    """The text of a controller's file that is like another, with these figures."""
+    import msgspec
+
+    from toolpace.common.files.toml import toml_text
+
+    table = msgspec.to_builtins(figures)
+    usual = msgspec.to_builtins(type(figures)())
+    time = {key: value for key, value in table.items() if key == "model" or value != usual[key]}
+    head: dict[str, object] = {} if controller is None else {"name": name or f"my-{controller.name}"}
+    if controller is not None:
+        base = controller.like or controller.name
+        head["like"] = base if base in controller.names() else ""
+    return toml_text(head | {"time": {key: _rounded(value) for key, value in time.items()}})
+
+
+def _rounded(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _rounded(each) for key, each in value.items()}
+    return float(f"{value:.5g}") if isinstance(value, float) else value

@@ -1,1 +1,0 @@
-"""The command `follow`: a plan followed live."""

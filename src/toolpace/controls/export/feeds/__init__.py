@@ -1,1 +1,0 @@
-"""Feeds of a plan in the text of its program."""

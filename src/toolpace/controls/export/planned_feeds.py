@@ -1,0 +1,173 @@
+"""The feeds that give each block the time which the plan takes for it, and the check that the path stays the same.
+
+What an F means is not worked out here: the program is read with one F everywhere, and its time tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
+from toolpace.controls.export.block_times import Passes, pose
+from toolpace.controls.export.feed_words import LANGUAGES
+from toolpace.controls.export.motion import PlannedMotion
+from toolpace.controls.export.rewriting import ProgramText, Rewriting, Rewritten, figure
+from toolpace.machine.machine import Machine
+from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.reading import ReadOptions, Source, read_source
+from toolpace.programs.reading.languages import recognised
+from toolpace.programs.toolpath import ToolPath
+
+PROBE = 100.0
+"""The F with which the program is read to learn what one means."""
+CUT = ("word-address", "sinumerik")
+"""Languages whose blocks can be cut."""
+
+Pieces = Mapping[int, Sequence[str]]
+"""Line to the lines that stand before it where it is cut."""
+CUT_TIP, CUT_AXIS = 1e-6, 1e-5
+"""How far places at which a block is cut may lie beside its way as it was read [m], [rad]."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A program that was read, its plan, and which of its blocks get a feed."""
+
+    source: Source
+    machine: Machine
+    dialect: str | None
+    options: ReadOptions
+    toolpath: ToolPath
+    passes: Passes
+    planned: Floats
+    """(k,) how long the plan is on the way of each pass [s]."""
+    rewriting: Rewriting
+
+    @classmethod
+    def of(cls, motion: PlannedMotion, inverse: bool, cut: bool) -> Job:
+        """Raises UsageError where there is no program, or none whose blocks can bear such an F."""
+        if motion.source is None or motion.record is None:
+            raise UsageError(f"--to program: {motion.name} has no program beside it; take --to table")
+        record = motion.record
+        toolpath = read_source(motion.source, motion.machine, record.dialect, motion.options, feed=record.feed)
+        return cls.beside(
+            motion.source, motion.machine, record.dialect, motion.options, toolpath, motion.setpoints, inverse, cut
+        )
+
+    @classmethod
+    def beside(
+        cls,
+        source: Source,
+        machine: Machine,
+        dialect: str | None,
+        options: ReadOptions,
+        toolpath: ToolPath,
+        plan: SetPoints | Floats,
+        inverse: bool = False,
+        cut: bool = False,
+    ) -> Job:
+        """A program beside set-points, or beside the time (k,) of each of its passes [s]. Raises UsageError."""
+        found = recognised(source, dialect, options)
+        language = found.controller.language if found.controller is not None else found.dialect
+        words = LANGUAGES.get(language)
+        if words is None:
+            raise UsageError("--to program: a table of points has no blocks that could bear an F; take --to table")
+        if inverse and not (words.inverse and _has_inverse_times(found.controller)):
+            raise UsageError(f"--inverse-time: {toolpath.controller or language} has no inverse times; leave it out")
+        if cut and language not in CUT:
+            raise UsageError(f"--split: blocks of {language} are not cut; leave it out")
+        passes = Passes.of(toolpath)
+        planned = passes.planned_times(toolpath, plan) if isinstance(plan, SetPoints) else plan
+        rewriting = Rewriting.of(ProgramText.of(source.data), words, passes, planned, inverse)
+        if not rewriting.chosen.any():
+            raise UsageError("--to program: no block of the program runs once at a feed of its own; take --to table")
+        return cls(source, machine, dialect, options, toolpath, passes, planned, rewriting)
+
+    @property
+    def lines(self) -> dict[int, int]:
+        """Line to the pass of each block that gets a feed."""
+        return {int(self.passes.block[k]): int(k) for k in np.flatnonzero(self.rewriting.chosen)}
+
+    def read(self, new: Rewritten) -> ToolPath:
+        """The program with other feeds, as it reads. Raises VerificationError where it does not."""
+        try:
+            return read_source(Source.from_bytes(new.data, self.source.name), self.machine, self.dialect, self.options)
+        except ToolpaceError as error:
+            raise VerificationError(f"with the feeds of the plan the program cannot be read: {error}") from None
+
+    def probe(self, pieces: Pieces) -> tuple[Rewritten, ToolPath]:
+        """The program with one F everywhere, and how it reads."""
+        feeds = {line: [f"{PROBE:g}"] * (1 + len(pieces.get(line, ()))) for line in self.lines}
+        new = self.rewriting.write(feeds, pieces)
+        return new, self.read(new)
+
+    def feeds(self, pieces: Pieces) -> dict[int, list[str]]:
+        """Line to the F of each of its pieces, which take equal times."""
+        new, read = self.probe(pieces)
+        times = new.times(read)
+        controller = self.options.controller
+        seconds = self.rewriting.inverse and controller is not None and controller.option("inverse_seconds", False)
+        feeds = {}
+        for line, k in self.lines.items():
+            right = self.planned[k] / len(times[line])
+            values = np.full(len(times[line]), right) if seconds else PROBE * times[line] / right
+            feeds[line] = [figure(value, self.rewriting.words.decimals) for value in values.tolist()]
+        return feeds
+
+
+def _has_inverse_times(controller: object) -> bool:
+    """Whether G93 is that for a controller; for some it shifts the datum."""
+    meanings = getattr(controller, "meanings", {})
+    return bool(meanings.get("G93", "inverse time") == "inverse time")
+
+
+def in_old_blocks(toolpath: ToolPath, new: Rewritten) -> ToolPath:
+    """The path of a program that was written anew, its blocks named as they were before."""
+    return replace(toolpath, block=new.back[toolpath.block])
+
+
+def strays(job: Job, new: Rewritten, again: ToolPath) -> Bools:
+    """(k,) passes whose way is another than before; all of them where it has other blocks."""
+    old, again = job.toolpath, in_old_blocks(again, new)
+    was, now = job.passes, Passes.of(again)
+    if len(now.block) != len(was.block) or (now.block != was.block).any():
+        return np.ones(len(was.block), dtype=np.bool_)
+    found = np.zeros(len(was.block), dtype=np.bool_)
+    for k, (a, b, c, d) in enumerate(zip(was.first, was.last, now.first, now.last)):
+        before, behind = slice(a - 1, b + 1), slice(c - 1, d + 1)
+        ends = old.stop[b] == again.stop[d] and old.dwell[b] == again.dwell[d] and was.rapid[k] == now.rapid[k]
+        if b - a == d - c and (old.tip[before] == again.tip[behind]).all():
+            same = bool((old.axis[before] == again.axis[behind]).all())
+        else:
+            tip, axis = off_the_way(old.tip[before], old.axis[before], again.tip[behind], again.axis[behind])
+            same = tip <= CUT_TIP and axis <= CUT_AXIS
+        found[k] = not (same and ends)
+    return found
+
+
+def off_the_way(tip: Floats, axis: Floats, tips: Floats, axes: Floats) -> tuple[float, float]:
+    """How far points (n, 3) lie beside the polygon through (k, 3): distance [m] and angle [rad]; both end alike."""
+    corners, points = pose(tip, axis), pose(tips, axes)
+    step = np.diff(corners, axis=0)
+    length = np.maximum((step**2).sum(axis=1), 1e-300)
+    far = [float(np.linalg.norm(tips[-1] - tip[-1]))]
+    turned = [float(np.linalg.norm(axes[-1] - axis[-1]))]
+    for point, here, leaning in zip(points, tips, axes):
+        share = np.clip(((point - corners[:-1]) * step).sum(axis=1) / length, 0.0, 1.0)
+        near = corners[:-1] + share[:, None] * step
+        k = int(((near - point) ** 2).sum(axis=1).argmin())
+        far.append(float(np.linalg.norm(tip[k] + share[k] * (tip[k + 1] - tip[k]) - here)))
+        turned.append(float(np.linalg.norm(axis[k] + share[k] * (axis[k + 1] - axis[k]) - leaning)))
+    return max(far), max(turned)
+
+
+def largest_change_of_kept(job: Job, new: Rewritten, again: ToolPath) -> float:
+    """Largest relative change of the time that the feeds make of blocks that keep theirs."""
+    before = job.passes.asked_times(job.toolpath)
+    now = Passes.of(in_old_blocks(again, new)).asked_times(again)
+    kept = job.rewriting.kept & np.isfinite(before) & (before > 0.0)
+    return float(np.abs(now[kept] / before[kept] - 1.0).max(initial=0.0))

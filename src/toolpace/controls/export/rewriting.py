@@ -1,0 +1,168 @@
+"""The text of a program with new feeds, each line as it was but for its F."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.controls.export.block_times import Passes
+from toolpace.controls.export.feed_words import FeedWords
+from toolpace.programs.toolpath import ToolPath
+
+_ENDS = re.compile(r"(\r\n|\r|\n)")
+_MARK = b"\xef\xbb\xbf"
+"""Of UTF-8, which some editors put before the text."""
+FIGURES = 6
+"""Significant figures of an F."""
+
+
+@dataclass(frozen=True)
+class ProgramText:
+    """Lines of a program, and what is needed to write them as they were."""
+
+    lines: tuple[str, ...]
+    """Without their ends."""
+    ends: tuple[str, ...]
+    """Of each line; empty where the last has none."""
+    encoding: str
+    marked: bool
+    """Whether the mark of UTF-8 stands before it."""
+
+    @classmethod
+    def of(cls, data: bytes) -> ProgramText:
+        """The text of a file: UTF-8, else one byte a character, as programs are read."""
+        marked = data.startswith(_MARK)
+        body = data.removeprefix(_MARK)
+        encoding = "utf-8"
+        try:
+            text = body.decode(encoding)
+        except UnicodeDecodeError:
+            encoding = "latin-1"
+            text = body.decode(encoding)
+        parts = _ENDS.split(text)
+        lines, ends = parts[::2], [*parts[1::2], ""]
+        if len(lines) > 1 and not lines[-1]:
+            lines.pop()
+            ends.pop()
+        return cls(tuple(lines), tuple(ends), encoding, marked)
+
+    def with_lines(self, changed: Sequence[Sequence[str]]) -> bytes:
+        """The file with each line replaced by one or more; those that are added end as the line does."""
+        usual = next((end for end in self.ends if end), "\n")
+        out: list[str] = []
+        for lines, end in zip(changed, self.ends):
+            out.append((end or usual).join(lines) + end)
+        data = "".join(out).encode(self.encoding)
+        return _MARK + data if self.marked else data
+
+
+@dataclass(frozen=True)
+class Rewriting:
+    """A program, and which of its passes get a feed."""
+
+    text: ProgramText
+    words: FeedWords
+    passes: Passes
+    chosen: Bools
+    """(k,) passes whose block gets an F of its own."""
+    inverse: bool
+    """Whether by inverse times."""
+
+    @classmethod
+    def of(cls, text: ProgramText, words: FeedWords, passes: Passes, planned: Floats, inverse: bool) -> Rewriting:
+        """Chosen are blocks that run once, whose motion is at feed, takes time, and can bear an F."""
+        able = np.array([False, *words.editable(text.lines)])
+        block = np.where(passes.block <= len(text.lines), passes.block, 0)
+        chosen = passes.once & ~passes.rapid & ~passes.mixed & able[block] & (planned > 0.0)
+        return cls(text, words, passes, chosen, inverse)
+
+    @property
+    def kept(self) -> Bools:
+        """(k,) passes at feed whose block keeps its text."""
+        return ~self.chosen & ~self.passes.rapid
+
+    def restores(self) -> dict[int, str]:
+        """Line to what must be written behind it, so that blocks that keep their text keep their feed too.
+
+        Inverse times end behind the last block that has one: what the program leaves in force is as it was.
+        """
+        last = -1
+        behind: list[int] = []
+        for k in range(len(self.passes.block)):
+            if self.chosen[k]:
+                last = k
+            elif last >= 0 and not self.passes.rapid[k]:
+                behind.append(int(self.passes.block[last]))
+                last = -1
+        if self.inverse and last >= 0:
+            behind.append(int(self.passes.block[last]))
+        if not behind:
+            return {}
+        found, feed, mode = {}, "", ""
+        wanted = set(behind)
+        for number, line in enumerate(self.text.lines, start=1):
+            feed, mode = self.words.feed_in(line) or feed, self.words.mode_in(line) or mode
+            if number in wanted and (feed or self.inverse):
+                found[number] = self.words.alone(feed, mode, self.inverse)
+        return found
+
+    def write(self, feeds: Mapping[int, Sequence[str]], pieces: Mapping[int, Sequence[str]]) -> Rewritten:
+        """The program with feeds: line to the F of each of its pieces (of blocks that are not cut: one), and the lines
+        that stand before those that are cut."""
+        restores = self.restores()
+        changed: list[list[str]] = []
+        bearers: dict[int, list[int]] = {}
+        back = [0]
+        for number, line in enumerate(self.text.lines, start=1):
+            new: list[str] = []
+            if number in feeds:
+                bearers[number] = []
+                for piece, feed in zip([*pieces.get(number, ()), line], feeds[number], strict=True):
+                    new += self.words.with_feed(piece, feed, self.inverse)
+                    bearers[number].append(len(back) - 1 + len(new))
+                if number in restores:
+                    new.append(restores[number])
+            else:
+                new.append(line)
+            changed.append(new)
+            back += [number] * len(new)
+        return Rewritten(self.text.with_lines(changed), np.array(back), bearers)
+
+
+@dataclass(frozen=True)
+class Rewritten:
+    """A program with other feeds."""
+
+    data: bytes
+    back: Ints
+    """(new lines + 1,) the line that each was before; 0 for no line."""
+    bearers: Mapping[int, list[int]]
+    """Line to the new lines that bear its feeds, one a piece."""
+
+    def times(self, toolpath: ToolPath) -> dict[int, Floats]:
+        """Line to what its feeds make of each of its pieces [s], by the program read again."""
+        least = np.maximum(toolpath.way_length[1:] / toolpath.feed[1:], toolpath.least_time[1:])
+        by_line = np.zeros(len(self.back) + 1)
+        np.add.at(by_line, toolpath.block[1:], least)
+        return {line: by_line[new] for line, new in self.bearers.items()}
+
+
+def places(value: float, decimals: int) -> int:
+    """Decimals with which a feed is written: six figures, and at most so many decimals."""
+    return int(np.clip(FIGURES - 1 - np.floor(np.log10(value)), 0, decimals))
+
+
+def figure(value: float, decimals: int) -> str:
+    """A feed as text, without zeros behind; never zero."""
+    count = places(value, decimals)
+    text = f"{max(value, 10.0**-count):.{count}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def rounding(value: float, decimals: int) -> float:
+    """By what share of a feed its text may be off."""
+    return 0.5 * 10.0 ** -places(value, decimals) / value

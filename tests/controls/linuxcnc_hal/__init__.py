@@ -1,1 +1,0 @@
-"""The component of LinuxCNC's HAL, without LinuxCNC."""
