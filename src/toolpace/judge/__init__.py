@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from typing import Any, Protocol
@@ -130,24 +129,18 @@ def _judged(
         return Verification(tuple(checks), step, len(points)), None
     units = _units(machine)
     rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
-
-    def of_motion() -> list[Check]:
-        found = motion_checks(points, limits, units, step, rounding)
-        return found + column_checks(points, limits, units, step) + rest_checks(points, limits, units, step)
-
+    checks += motion_checks(points, limits, units, step, rounding)
+    checks += column_checks(points, limits, units, step)
+    checks += rest_checks(points, limits, units, step)
     judged = ProgramJudgement([], math.nan, math.nan)
-    of_program: list[Check] = []
-    with ThreadPoolExecutor(1) as beside:
-        motion = beside.submit(of_motion)
-        if isinstance(machine, Machine):
-            of_program += _names(points, machine)
-            tip, axis = machine.forward(points.q, points.tool_length)
-            of_program += tool_checks(points, machine, tip, axis)
-            if toolpath is not None:
-                of_program += length_checks(points, machine, toolpath, tool_table(sheet))
-                judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
-                of_program += judged.checks
-        checks += motion.result() + of_program
+    if isinstance(machine, Machine):
+        checks += _names(points, machine)
+        tip, axis = machine.forward(points.q, points.tool_length)
+        checks += tool_checks(points, machine, tip, axis)
+        if toolpath is not None:
+            checks += length_checks(points, machine, toolpath, tool_table(sheet))
+            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
+            checks += judged.checks
     deviations = judged.tip_deviation, judged.axis_deviation
     return Verification(tuple(checks), step, len(points), *deviations, judged.bending), judged
 

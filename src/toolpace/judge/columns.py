@@ -60,14 +60,13 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
                 allowed = max(allowed, shown[j] * dt**power / of_shown)
             if not len(steps) or (jumpy[j] and name == "acceleration"):
                 continue
-            lower, upper = np.ascontiguousarray(below[:, j]), np.ascontiguousarray(above[:, j])
-            off = np.abs(np.diff(lower) - 0.5 * steps * (upper[1:] + upper[:-1]))
+            off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
             if jumpy[j]:
-                change = np.abs(np.diff(np.diff(lower) / steps, prepend=0.0, append=0.0))
+                change = np.abs(np.diff(np.diff(below[:, j]) / steps, prepend=0.0, append=0.0))
                 off -= steps * (change[:-1] + change[1:])
             worst = int(np.argmax(off))
-            scale = float(np.abs(lower).max())
-            noise = 2.0 * position_noise(lower, points.t, float(np.abs(upper).max()))
+            scale = float(np.abs(below[:, j]).max())
+            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
             noise += COLUMN_ROUNDING * dt * scale
             ok = bool(off[worst] <= allowed + noise)
             if not ok:
@@ -97,20 +96,18 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
         return checks
     for j in judged:
         joint = points.joints[j]
-        qd, qdd, qddd = (np.ascontiguousarray(each[:, j]) for each in (points.qd, points.qdd, points.qddd))
-        mean = np.diff(qdd) / steps
-        off = np.abs(mean - 0.5 * (qddd[1:] + qddd[:-1]))
+        mean = np.diff(points.qdd[:, j]) / steps
+        off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
         change = np.abs(np.diff(mean, prepend=mean[0]))
-        between = np.diff(qd) / steps - 0.5 * (qdd[1:] + qdd[:-1])
+        between = np.diff(points.qd[:, j]) / steps - 0.5 * (points.qdd[1:, j] + points.qdd[:-1, j])
         sag = np.abs(between) / steps
-        noise = COLUMN_ROUNDING * float(np.abs(qdd).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
+        noise = COLUMN_ROUNDING * float(np.abs(points.qdd[:, j]).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
         starts = np.arange(0, len(steps), WINDOW)
         found = np.add.reduceat(off, starts)
         # What changes just before and behind a window may belong to a step in it.
         total = np.concatenate(([0.0], np.cumsum(change)))
         around = total[np.minimum(starts + WINDOW + 2, len(steps))] - total[np.maximum(starts - 2, 0)]
-        size = np.abs(qddd)
-        peak = np.maximum.reduceat(np.maximum(size[1:], size[:-1]), starts)
+        peak = np.maximum.reduceat(np.maximum(np.abs(points.qddd[1:, j]), np.abs(points.qddd[:-1, j])), starts)
         swing, more = _hidden(sag, peak, starts)
         allowed = CHANGE * around + JUMPS * np.maximum(np.abs(mean).max(), peak) + more
         allowed += np.add.reduceat(np.maximum(SAG * sag, swing) + noise, starts)

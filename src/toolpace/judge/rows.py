@@ -26,8 +26,6 @@ UNSEEN = 0.1
 a jerk jumps, 0.065 where an acceleration does."""
 MOST_UNSEEN = 0.5
 """Most that is granted for it [tolerances]."""
-AT_ONCE = 1 << 15
-"""Set-points whose differences are taken at once: they stay in the cache of a core."""
 
 
 def program_line(
@@ -164,19 +162,20 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
     50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
     """
     n = len(points)
-    parts, unseen = np.ones(n - 1, dtype=np.int64), np.zeros(n - 1)
+    parts, unseen, second = np.ones(n - 1, dtype=np.int64), np.zeros(n - 1), np.zeros((n, 6))
     inner = _curved(points.q, limits, dt) & (np.abs(np.diff(points.t) - dt) <= 1e-6 * dt)
     if n >= 6:
-        second, fourth = _sizes_of_differences(poses)
-        size = np.maximum(second[:-1], second[1:])
+        second[1:-1] = np.diff(poses, n=2, axis=0)
+        size = _size(second)
+        size = np.maximum(size[:-1], size[1:])
         inner[[0, -2, -1]] = False
         inner &= ~_beside(points.tool_length, n)
         parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)
+        fourth = _size(np.diff(poses, n=4, axis=0))
         # Of the step from k to k + 1: all differences that have both of them.
         padded = np.concatenate((np.repeat(fourth[:1], 3), fourth, np.repeat(fourth[-1:], 3)))
-        for shift in range(4):
-            np.maximum(unseen, padded[shift : shift + n - 1], out=unseen)
-        unseen = np.minimum(UNSEEN * unseen, MOST_UNSEEN)
+        around = np.max([padded[shift : shift + n - 1] for shift in range(4)], axis=0)
+        unseen = np.minimum(UNSEEN * around, MOST_UNSEEN)
     after, share = _shares(np.arange(1, n), parts)
     k = after - 1
     exact = share == 1.0
@@ -184,9 +183,7 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
     # of long motions most steps are one chord: what is worked out is what lies between set-points
     between = np.flatnonzero(~exact)
     here, there, u = k[between], after[between], share[between][:, None]
-    # second differences
-    before, behind = ((poses[at + 1] - poses[at]) - (poses[at] - poses[at - 1]) for at in (here, there))
-    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * before + (1.0 + u) * behind)
+    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[here] + (1.0 + u) * second[there])
     row[1 + between] = poses[here] + u * (poses[there] - poses[here]) - bend
     allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k])))
     setpoint = np.concatenate(([0], np.where(exact, after, k)))
@@ -229,30 +226,17 @@ def _beside(tool_length: Floats, n: int) -> npt.NDArray[np.bool_]:
     return near
 
 
-def _sizes_of_differences(poses: Floats) -> tuple[Floats, Floats]:
-    """(n,) sizes of second differences of poses (n, 6), zero at both ends, and (n - 4,) of fourth ones."""
-    n = len(poses)
-    second, fourth = np.zeros(n), np.empty(n - 4)
-    for start in range(0, n - 4, AT_ONCE):
-        part = np.diff(poses[start : start + AT_ONCE + 4], n=2, axis=0)
-        second[start + 1 : start + 1 + len(part)] = _size(part)
-        fourth[start : start + len(part) - 2] = _size(np.diff(part, n=2, axis=0))
-    return second, fourth
-
-
 def _curved(q: Floats, limits: Limits, dt: float) -> npt.NDArray[np.bool_]:
     """(n - 1,) whether second differences on both sides of a step are those of a motion within its accelerations."""
     most = limits.acceleration * dt * dt * (1.0 + 1e-3) + 1e-12
     smooth = np.ones(len(q), dtype=bool)
-    for start in range(0, len(q) - 2, AT_ONCE):
-        part = np.diff(q[start : start + AT_ONCE + 2], n=2, axis=0)
-        smooth[start + 1 : start + 1 + len(part)] = (np.abs(part) <= most).all(axis=1)
+    smooth[1:-1] = (np.abs(np.diff(q, n=2, axis=0)) <= most).all(axis=1)
     both: npt.NDArray[np.bool_] = smooth[1:] & smooth[:-1]
     return both
 
 
 def _size(poses: Floats) -> Floats:
     """(n,) the larger of the lengths of tip and axis."""
-    tip, axis = (np.einsum("ij,ij->i", part, part) for part in (poses[:, :3], poses[:, 3:]))
-    size: Floats = np.sqrt(np.maximum(tip, axis))
+    square = np.maximum((poses[:, :3] ** 2).sum(axis=1), (poses[:, 3:] ** 2).sum(axis=1))
+    size: Floats = np.sqrt(square)
     return size

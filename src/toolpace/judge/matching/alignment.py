@@ -8,7 +8,6 @@ program: the distance is raised there until there is one, as little as it takes,
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,13 +95,12 @@ def align(
         deviations = _follow(sweep, motion, LEAST_WORK + WORK * (len(motion) + len(program)))
     except _LostError as lost:
         return Lost(lost.pose, lost.distance)
-    with ThreadPoolExecutor(1) as beside:
-        there = beside.submit(_finish, sweep)
-        raised = sweep.radius - within
-        back = Sweep(program, room, Line(motion, raised + 2.0 * ROUNDING, none), np.full(len(program), within))
-        if back.run(-1, len(program) - 1) < len(program) - 1:
-            raise AssertionError("two rows are near each other, but not the other way round")
-        return BothWays(there.result(), _finish(back), tuple(deviations))
+    there = _finish(sweep)
+    raised = sweep.radius - within
+    back = Sweep(program, room, Line(motion, raised + 2.0 * ROUNDING, none), np.full(len(program), within))
+    if back.run(-1, len(program) - 1) < len(program) - 1:
+        raise AssertionError("two rows are near each other, but not the other way round")
+    return BothWays(there, _finish(back), tuple(deviations))
 
 
 class _LostError(Exception):
