@@ -13,9 +13,9 @@ import toolpace as tp
 from tests.support.tampering import Tamper, fails
 from toolpace.cli import demo_programs, main
 from toolpace.motion.files.trajectory_file import write_trajectory
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.setpoints import SetPoints
-from toolpace.path.axispath.follow import FollowRun
+from toolpace.path.follow_run import FollowRun
 
 PLAN = ["-m", "xyzac-trunnion", "--effort", "low"]
 

@@ -14,7 +14,7 @@ from testbed.programs import s_shape, tulsyan
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
-from toolpace.motion.laws.linear import LinearLaw
+from toolpace.motion.laws import LinearLaw
 from toolpace.path.fit import fit
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives

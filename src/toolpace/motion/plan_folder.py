@@ -14,9 +14,9 @@ from toolpace.common.files import changed, is_folder, reason
 from toolpace.machine.machine import Machine
 from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.recorded_path import recorded_path
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.programs.toolpath import ToolPath
 
 PLAN, MACHINE, CONTROLLER, SETUP = (

@@ -24,12 +24,9 @@ from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.packed_splines import left_of_splines, splines_of
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.linear import LinearLaw
-from toolpace.motion.laws.quintic import QuinticLaw
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.follow import Branch, FollowRun
+from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.follow_run import Branch, FollowRun
 from toolpace.path.run import SplineRun
 
 if TYPE_CHECKING:

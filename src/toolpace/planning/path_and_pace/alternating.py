@@ -18,8 +18,8 @@ from toolpace.common.errors import InfeasibleError, PathError
 from toolpace.common.workers import UNTOLD, Progress
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.path import Path
