@@ -15,8 +15,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from toolpace.common.errors import UsageError
+from toolpace.judge.derivative_columns import column_checks
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
+from toolpace.judge.motion import motion_checks, rest_checks, step_check
+from toolpace.judge.peaks import Peaks
 from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_table
 from toolpace.judge.verification import Check, Verification
@@ -126,9 +128,10 @@ def _judged(
         return Verification(tuple(checks), step, len(points)), None
     units = _units(machine)
     rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
-    checks += motion_checks(points, limits, units, step, rounding)
-    checks += column_checks(points, limits, units, step)
-    checks += rest_checks(points, limits, units, step)
+    peaks = Peaks.of(points, step)
+    checks += motion_checks(points, limits, units, peaks, rounding)
+    checks += column_checks(points, limits, units, peaks)
+    checks += rest_checks(points, limits, units, peaks)
     judged = ProgramJudgement([], math.nan, math.nan)
     if isinstance(machine, Machine):
         checks += _names(points, machine)
