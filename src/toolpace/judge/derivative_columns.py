@@ -161,8 +161,8 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], peaks: 
 
 
 def _hidden(sag: Floats, peak: Floats, starts: Ints) -> tuple[Floats, Floats]:
-    """By how much (m, steps) swings of the jerk that are over within a step let it stray from its mean, as expected, and
-    (m, windows) how much more a window may happen to have.
+    """By how much (m, steps) swings of the jerk that are over within a step let it stray from its mean, as expected,
+    and (m, windows) how much more a window may happen to have.
 
     A jerk of J one way for a time T, and the other way for as long, is a change in velocity of J T^2 that no
     acceleration shows: the mean acceleration of the step is off by J T^2 / dt, its `sag` by dt. So the swing lasts
