@@ -15,11 +15,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from toolpace.common.errors import UsageError
-from toolpace.judge.blocks import each_block
-from toolpace.judge.derivative_columns import column_checks
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import motion_checks, rest_checks, step_check
-from toolpace.judge.peaks import Peaks
+from toolpace.judge.largest import Peaks, each_block
+from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
 from toolpace.judge.program import ProgramJudgement, program_checks
 from toolpace.judge.tool import forward_kinematics, length_checks, pole_rounding, tool_checks, tool_table
 from toolpace.judge.verification import Check, Verification

@@ -1,4 +1,4 @@
-"""Checks of the time step, of joint limits and of rest at both ends, from finite differences of positions."""
+"""Checks of joint limits, of rest at both ends and of derivative columns, from finite differences of positions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
-from toolpace.judge.peaks import EPS, Peaks, difference_beyond_rounding
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.judge.largest import EPS, Largest, Peaks, columns_of, difference_beyond_rounding, each_block
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
@@ -22,6 +22,24 @@ _KINDS = ("velocity", "acceleration", "jerk")
 """First, second and third derivative."""
 _PER = ("s", "s2", "s3")
 """What their units are divided by."""
+COLUMN_ROUNDING = 1e-9
+"""Relative error of the set-points' own derivatives, which are worked out, not differenced.
+
+As a share of the mean jerk no test holds it: JUMPS grants a window far more of that.
+"""
+WINDOW = 256
+"""Steps over which the column of jerks is compared with the accelerations; a block holds whole windows."""
+AROUND = 2
+"""Steps before and behind a window whose change of the mean jerk may belong to it."""
+JUMPS = 2.0
+"""Jumps of a jerk by its largest value that may hide between set-points in one window."""
+CHANGE = 2.0
+"""Share of the change of the mean jerk from step to step by which the jerk may stray from its mean."""
+SAG = 12.0
+"""By how much a jerk that swings within a step may stray from its mean at the ends, for each unit by which the mean
+acceleration is off that of both ends, a step: 6 for a triangle of the length of a step, 2 pi for a sine."""
+SPREADS = 4.0
+"""Standard deviations by which more swings may be met by set-points than are expected."""
 
 
 def unit_of(base: str, order: int) -> str:
@@ -112,3 +130,142 @@ def still_step(limits: Limits, dt: float) -> Floats:
     by_jerk, by_acceleration = limits.jerk * dt**3 / 6.0, limits.acceleration * dt**2 / 2.0
     least: Floats = np.minimum(np.minimum(by_jerk, by_acceleration), limits.velocity * dt)
     return least
+
+
+def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], peaks: Peaks) -> list[Check]:
+    """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
+
+    Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
+    acceleration whose slope is at most J. Where the jerk is too high (which is said already), accelerations may jump:
+    a jump by D shows as a third difference of at least D / (2 dt), and is off by at most D dt^2 / 8 and D dt / 2. Where
+    nothing limits the jerk, twice that is granted: several jumps may lie side by side, and hide one another in part.
+
+    Where nothing limits acceleration nor jerk, velocities may jump: by V, by which the mean velocity changes from the
+    step before to that behind (it is zero before and behind the motion), and a velocity is off by at most V dt / 2. The
+    acceleration at a set-point says nothing there, and is not judged.
+    """
+    checks = []
+    jumpy = ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
+    of_velocity, of_acceleration = _largest_misfits(points, jumpy)
+    scales = (peaks.position, *(column.value for column in peaks.columns))
+    for order, name, misfit, share, of_shown in (
+        (1, "velocity", of_velocity, 12.0, 4.0),
+        (2, "acceleration", of_acceleration, 4.0, 1.0),
+    ):
+        period = peaks.dt ** (4 - order)
+        for j, joint in enumerate(points.joints):
+            jerk, shown = float(limits.jerk[j]), peaks.difference(points, 3, j)[0]
+            allowed = jerk * (1.0 + TOLERANCE) * period / share
+            if not math.isfinite(jerk):
+                allowed = 2.0 * shown * period / of_shown
+            elif shown > jerk * (1.0 + TOLERANCE):
+                allowed = max(allowed, shown * period / of_shown)
+            if jumpy[j] and name == "acceleration":
+                continue
+            scale, slope = float(scales[order - 1][j]), float(scales[order][j])
+            noise = 2.0 * position_noise(scale, peaks.time, slope) + COLUMN_ROUNDING * peaks.dt * scale
+            off, at = float(misfit.value[j]), int(misfit.row[j])
+            if not off <= allowed + noise:
+                time, block = float(points.t[at]), int(points.block[at])
+                unit = unit_of(units[j], order - 1)
+                note = f"the {name} column is not the derivative of its neighbour"
+                checks.append(Check(f"{name} column", off, allowed, unit, False, time, block, joint, note))
+    note = "not judged: nothing limits acceleration nor jerk"
+    free = [points.joints[j] for j in np.flatnonzero(jumpy)]
+    checks += [Check("acceleration column", math.nan, 0.0, "", True, joint=joint, note=note) for joint in free]
+    return checks + _jerk_columns(points, np.flatnonzero(~jumpy), units, peaks)
+
+
+def _largest_misfits(points: SetPoints, jumpy: Bools) -> tuple[Largest, Largest]:
+    """By how much a step of positions is off the mean of the velocities at its ends, of velocities off that of the
+    accelerations, at most; of `jumpy` joints (m,) less what a jump of the velocity may make of it."""
+    last = len(points) - 1
+
+    def of_block(begin: int, end: int) -> tuple[Largest, Largest]:
+        steps = np.diff(points.t[begin : end + 1])
+        q, qd, qdd = (columns_of(each, begin, end + 1) for each in (points.q, points.qd, points.qdd))
+        of_q, of_qd = (
+            np.abs(np.diff(below, axis=1) - 0.5 * steps * (above[:, 1:] + above[:, :-1]))
+            for below, above in ((q, qd), (qd, qdd))
+        )
+        if jumpy.any():
+            before, behind = max(begin - 1, 0), min(end + 1, last)
+            around = columns_of(points.q, before, behind + 1)[jumpy]
+            mean = np.diff(around, axis=1) / np.diff(points.t[before : behind + 1])
+            # the joint rests before and behind the motion
+            mean = np.pad(mean, ((0, 0), (int(begin == 0), int(end == last))))
+            change = np.abs(np.diff(mean, axis=1))
+            of_q[jumpy] -= steps * (change[:, :-1] + change[:, 1:])
+        return Largest.of(of_q, begin), Largest.of(of_qd, begin)
+
+    of_q, of_qd = zip(*each_block(of_block, last))
+    return Largest.of_all(of_q), Largest.of_all(of_qd)
+
+
+def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], peaks: Peaks) -> list[Check]:
+    """Whether the accelerations change as the jerks say.
+
+    A jerk may jump between two set-points, and then the mean of both is not that of the step. By how much, the means
+    of the steps tell: summed over a window, what is off is at most half of what they change, unless the jerk jumps
+    there and back within a step. Then accelerations sag between set-points, and velocities tell by how much: also
+    where the jerk swings once a step, and its column shows one side of the swing for long, as the phase creeps on.
+    Where a motion is so slow, or the steps are so long, that all of a swing is over before it shows in the
+    accelerations, a column holds the whole jerk wherever a set-point meets one (`_hidden`).
+    A column of another motion, of no motion, or turned round, is off by all of the jerk.
+    """
+    last = len(points) - 1
+    if last < 2 or not len(judged):
+        return []
+    rounding = COLUMN_ROUNDING * peaks.columns[1].value[judged, None]
+    mean_jerk = peaks.mean_jerk[judged, None]
+
+    def of_block(begin: int, end: int) -> tuple[Floats, Floats]:
+        # What changes just before and behind a window may belong to a step in it.
+        before, behind = max(begin - AROUND - 1, 0), min(end + AROUND, last)
+        steps = np.diff(points.t[before : behind + 1])
+        mean = np.diff(columns_of(points.qdd, before, behind + 1)[judged], axis=1) / steps
+        total = np.cumsum(np.abs(np.diff(mean, axis=1, prepend=mean[:, :1])), axis=1)
+        total = np.concatenate((np.zeros((len(judged), 1)), total), axis=1)
+        steps, mean = steps[begin - before : end - before], mean[:, begin - before : end - before]
+        qd, qdd, qddd = (columns_of(each, begin, end + 1)[judged] for each in (points.qd, points.qdd, points.qddd))
+        off = np.abs(mean - 0.5 * (qddd[:, 1:] + qddd[:, :-1]))
+        between = np.diff(qd, axis=1) / steps - 0.5 * (qdd[:, 1:] + qdd[:, :-1])
+        sag = np.abs(between) / steps
+        noise = rounding / steps + COLUMN_ROUNDING * mean_jerk
+        starts = np.arange(0, end - begin, WINDOW)
+        found = np.add.reduceat(off, starts, axis=1)
+        first = np.maximum(starts + begin - AROUND, 0) - before
+        around = total[:, np.minimum(starts + begin + WINDOW + AROUND, last) - before] - total[:, first]
+        peak = np.maximum.reduceat(np.maximum(np.abs(qddd[:, 1:]), np.abs(qddd[:, :-1])), starts, axis=1)
+        swing, more = _hidden(sag, peak, starts)
+        allowed = CHANGE * around + JUMPS * np.maximum(mean_jerk, peak) + more
+        allowed += np.add.reduceat(np.maximum(SAG * sag, swing) + noise, starts, axis=1)
+        return found, allowed
+
+    found, allowed = (np.concatenate(parts, axis=1) for parts in zip(*each_block(of_block, last)))
+    checks = []
+    for row, j in enumerate(judged):
+        worst = int(np.argmax(found[row] - allowed[row]))
+        if found[row, worst] > allowed[row, worst]:
+            k = worst * WINDOW
+            count = min(WINDOW, last - k)
+            time, block = float(points.t[k]), int(points.block[k])
+            value, limit = float(found[row, worst]) / count, float(allowed[row, worst]) / count
+            note = "the jerk column is not the derivative of the accelerations, in the mean of a window"
+            unit, joint = unit_of(units[j], 3), points.joints[j]
+            checks.append(Check("jerk column", value, limit, unit, False, time, block, joint, note))
+    return checks
+
+
+def _hidden(sag: Floats, peak: Floats, starts: Ints) -> tuple[Floats, Floats]:
+    """By how much (m, steps) swings of the jerk that are over within a step let it stray from its mean, as expected,
+    and (m, windows) how much more a window may happen to have.
+
+    A jerk of J one way for a time T, and the other way for as long, is a change in velocity of J T^2 that no
+    acceleration shows: the mean acceleration of the step is off by J T^2 / dt, its `sag` by dt. So the swing lasts
+    2 T = 2 dt (sag / J)^(1/2), a set-point meets it in as large a share of the cases, and the column then is off by J:
+    2 (J sag)^(1/2) as expected. How many of n are met has a variance of n at most. J is the `peak` of the window.
+    """
+    steps = np.diff(np.append(starts, sag.shape[1]))
+    swing = 2.0 * np.sqrt(np.repeat(peak, steps, axis=1) * sag)
+    return swing, SPREADS * np.sqrt(peak * np.add.reduceat(swing, starts, axis=1))

@@ -9,8 +9,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.judge.blocks import Largest, each_block
-from toolpace.judge.peaks import columns_of
+from toolpace.judge.largest import Largest, columns_of, each_block
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
