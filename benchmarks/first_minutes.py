@@ -28,7 +28,7 @@ from benchmarks.tables import Table
 from testbed.positioned import positioned
 from testbed.programs import waves
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 

@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.peers import Outcome, Stopwatch, failed
 from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.second_order import Cells, peaks_in_cells, second_order_law
 
 

@@ -14,7 +14,7 @@ from toolpace.kernels.planners import quintic_interval
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED

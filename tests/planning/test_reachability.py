@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.kernels.planners import reachability
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.second_order import BOTH_ENDS, FIVE, Cells, second_order_law
 
 

@@ -10,7 +10,7 @@ from tests.support.usage import dense_usage
 from toolpace.kernels.planners import quintic_interval
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import plan
 

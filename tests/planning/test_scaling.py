@@ -7,7 +7,7 @@ import pytest
 
 from testbed.jets import harmonics
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.genetic import Genetic
 from toolpace.planning.optimal.planner import Optimal

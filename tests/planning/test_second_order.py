@@ -9,10 +9,10 @@ from testbed import nasty_paths
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.usage import dense_usage
 from toolpace.common.errors import InfeasibleError, UsageError
-from toolpace.deflection.replanning import replan
+from toolpace.deflection import replan
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED

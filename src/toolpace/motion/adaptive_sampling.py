@@ -8,9 +8,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.law import Probe, TimeLaw
+from toolpace.motion.laws import Probe, TimeLaw
 from toolpace.motion.usage import ratios_along
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
 """Where it is looked at between two hints of a run, as shares of the stretch."""

@@ -18,8 +18,8 @@ from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import closer_look
-from toolpace.motion.laws.quintic import INSIDE, QuinticLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import QUINTIC_STATES, QuinticLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.limit_tolerances import BRED
 from toolpace.planning.mesh.initial_guess import guess
@@ -310,10 +310,10 @@ def interval_peaks(parts: Intervals, preset: Preset) -> Floats:
     all_ratios, places, between = closer_look(parts.run, parts.limits, law, probe)
     ratios = all_ratios.max(axis=1)
     # a law that turns back is no law; at the reference points themselves rest is rounding
-    speed = probe.state[1].reshape(len(preset.periods), INSIDE)
+    speed = probe.state[1].reshape(len(preset.periods), QUINTIC_STATES)
     back = (speed[:, 1:-1] <= 0.0).any(axis=1)
-    ratios = np.where(np.repeat(back, INSIDE), np.inf, ratios)
-    largest: Floats = ratios.reshape(len(preset.periods), INSIDE).max(axis=1)
+    ratios = np.where(np.repeat(back, QUINTIC_STATES), np.inf, ratios)
+    largest: Floats = ratios.reshape(len(preset.periods), QUINTIC_STATES).max(axis=1)
     if len(places):
         inside = np.clip(np.searchsorted(parts.points, places, side="right") - 1, 0, len(largest) - 1)
         np.maximum.at(largest, inside, between.max(axis=1))

@@ -16,8 +16,8 @@ from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import Progress, Workers
 from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.linear import LinearLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import LinearLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.limit_tolerances import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.nodes import cut_cells, with_breaks

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from toolpace.common.files.tables import TableFile
+from toolpace.common.files.toml import TableFile
 from toolpace.programs.reading.setup_file import ANGLES, LENGTHS, TablesInUnits
 from toolpace.setup_search.choices import Choice, Choices, Zone, is_angle
 

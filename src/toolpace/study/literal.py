@@ -23,10 +23,10 @@ from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval, comfortable, interval_of
 from toolpace.machine.limits import KINDS
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.motion.laws import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_path
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_path
 from toolpace.path.path import Path
 from toolpace.planning.genetic import Genetic, Intervals, Preset, breeding_of, with_bred_periods
 

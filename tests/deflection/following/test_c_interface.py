@@ -13,7 +13,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.common.arrays import Floats
-from toolpace.deflection.following.law_file import read_law, write_law
+from toolpace.deflection.following.law import read_law, write_law
 from toolpace.kernels.follow import layout
 
 PAGE = Path(__file__).parents[3] / "docs" / "design" / "follower.md"

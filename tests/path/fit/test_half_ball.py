@@ -9,8 +9,7 @@ import pytest
 
 from tests.support.tool_paths import random_toolpath, spiral
 from toolpace.common.errors import PathError, UsageError
-from toolpace.path.fit.half_ball import ACROSS, ALONG, HalfBall, unit
-from toolpace.path.fit.polyline import PlaceTolerances, polylines
+from toolpace.path.fit.polyline import ACROSS, ALONG, HalfBall, PlaceTolerances, polylines, unit
 from toolpace.path.path import Path
 from toolpace.programs.tolerances import Tolerances
 

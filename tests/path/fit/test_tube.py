@@ -14,8 +14,8 @@ from toolpace.common import workers
 from toolpace.common.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
-from toolpace.path.fit import samples as sampling
-from toolpace.path.fit.knots import first_breaks
+from toolpace.path.fit import spline as sampling
+from toolpace.path.fit.first_spline import first_breaks
 from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
 from toolpace.path.path import Path
 

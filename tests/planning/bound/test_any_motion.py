@@ -8,7 +8,7 @@ import pytest
 
 from testbed.cases import random_case
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
 from toolpace.planning.bound.continuous import continuous_bound, is_cheap, with_continuous_bound
 from toolpace.planning.endstate import EndState

@@ -11,7 +11,7 @@ from testbed.cases import flank
 from testbed.jets import harmonics, path_of
 from tests.support.mesh_problems import solved
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
 from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.gap_localisation import settled

@@ -18,8 +18,8 @@ from toolpace.common.workers import CallersProgress, Workers
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import relaxation as bounds
 from toolpace.planning.bound.relaxation import bound_long_run, bound_run
 from toolpace.planning.endstate import AT_REST, EndState
@@ -27,9 +27,9 @@ from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
 from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
+from toolpace.planning.optimal.inter_sample_limits import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
-from toolpace.planning.optimal.slow_down import easing, slowing, within_guarantee
 from toolpace.planning.planner import plan
 
 CELLS = 9000

@@ -16,9 +16,9 @@ from toolpace.common.workers import Workers
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import continuous_dual, first_guess
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed

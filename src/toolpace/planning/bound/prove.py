@@ -13,9 +13,9 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import refuse_other_unit
 from toolpace.common.workers import UNTOLD, CallersProgress, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.branch_and_bound import Allowance, Part, close
 from toolpace.planning.bound.continuous import with_continuous_bound
 from toolpace.planning.bound.gap_localisation import Place, losses_by_knot, open_places, settled

@@ -19,9 +19,9 @@ from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import dual, relaxation
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import OpenPlace
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.initial_guess import fleeting, highest_of, ramp_time, steady_speed

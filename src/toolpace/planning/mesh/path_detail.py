@@ -18,7 +18,7 @@ from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.motion import gained_in_a_ramp, least_changes
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 UNSEEN = 0.02
 """Share of a limit that may hide between two points of the grid at the speed that the limits allow at them."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from toolpace.common.description import counted
 from toolpace.common.errors import ProgramError, printable
+from toolpace.common.value_objects import counted
 from toolpace.programs.reading.source import Source
 
 MOST_LISTED = 60

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from toolpace.common.errors import ReachError, UsageError, printable
-from toolpace.common.files.tables import TableFile, Tables
-from toolpace.common.files.toml import toml_key, toml_text
+from toolpace.common.files.toml import TableFile, Tables, toml_key, toml_text
 from toolpace.common.units import DEGREE, INCH, MILLIMETRE
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.programs.reading.coordinates.placement import Datum

@@ -21,9 +21,17 @@ from toolpace.programs.reading.gcode.program.blocks import Block
 from toolpace.programs.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow
-from toolpace.programs.reading.gcode.program.increments import LENGTHS, increment
-from toolpace.programs.reading.gcode.program.meanings import GROUP_OF
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
+from toolpace.programs.reading.gcode.program.words import (
+    GROUP_OF,
+    LENGTHS,
+    Handler,
+    Numbers,
+    RefusedError,
+    WordError,
+    bounded,
+    increment,
+    near_whole,
+)
 from toolpace.programs.reading.gcode.splines import SPLINES, Splines
 from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
 from toolpace.programs.reading.gcode.tools import Tools

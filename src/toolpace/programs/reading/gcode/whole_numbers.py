@@ -9,8 +9,15 @@ from toolpace.common.units import INCH, MILLIMETRE
 from toolpace.programs.reading.gcode.holes import KINDS
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.blocks import Block
-from toolpace.programs.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
-from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
+from toolpace.programs.reading.gcode.program.words import (
+    LENGTHS,
+    OF_ARCS,
+    ROUNDED,
+    Numbers,
+    RefusedError,
+    increment,
+    rounded,
+)
 
 SECONDS = frozenset("XU")
 _ANGLES: dict[str, frozenset[str]] = {

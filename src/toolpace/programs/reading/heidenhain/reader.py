@@ -53,11 +53,12 @@ class HeidenhainReader:
         self._first_preset()
         flow, state = self.flow, self.state
         while not state.ended:
-            program, at = flow.program, flow.at
+            frame = flow.frames[-1]
+            program, at = frame.program, frame.next
             if at < len(program.blocks):
-                flow.at = at + 1
+                frame.next = at + 1
                 self._execute(program, at)
-            elif flow.calls:
+            elif len(flow.frames) > 1:
                 self._execute_end(program)
             else:
                 self.source.must_be_ended("END PGM, M2 nor M30")

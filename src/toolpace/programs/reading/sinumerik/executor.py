@@ -13,8 +13,7 @@ from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVO
 from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
-from toolpace.programs.reading.sinumerik.flow.arguments import values_of
-from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter, values_of
 from toolpace.programs.reading.sinumerik.frames import PROGRAMMED
 from toolpace.programs.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.programs.reading.sinumerik.run import Modal, Run

@@ -12,8 +12,19 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax import frame_functions
-from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, whole
+from toolpace.programs.reading.sinumerik.syntax.values import (
+    SLOTS,
+    Axis,
+    Unread,
+    Value,
+    ValueFault,
+    mirror,
+    real,
+    rotation,
+    scale,
+    solid,
+    whole,
+)
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 PROGRAMMED = ("TRANS", "ROT", "ROTS", "SCALE", "MIRROR", "ATRANS", "AROT", "AROTS", "ASCALE", "AMIRROR")
@@ -169,14 +180,14 @@ class Frames:
 
     def _turned(self, kind: str, words: Words) -> Matrix:
         if kind == "MIRROR":
-            return frame_functions.mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
+            return mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
         angle = number(words, "RPL")
         if angle is not None and kind in ("ROT", "ROTS"):
             return affine.rotation(PLANE_ACROSS[self.state.plane], angle * DEGREE)
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
-            return frame_functions.scale(values)
-        return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else frame_functions.solid(values)
+            return scale(values)
+        return rotation(values) if kind == "ROT" or len(values) < 2 else solid(values)
 
     def axis_shift(self, code: str, words: Words) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
@@ -264,9 +275,9 @@ def _shifted_axis(name: str, index: tuple[Value, ...], parts: tuple[str, ...]) -
     """The slot of an axis whose shift a program sets, and which: [X, TR] the coarse one, [X, FI] the fine one."""
     axis, part = index[0], index[1] if len(index) > 1 else None
     letter = axis.letter if isinstance(axis, Axis) else ""
-    if not isinstance(part, str) or letter not in frame_functions.SLOTS:
+    if not isinstance(part, str) or letter not in SLOTS:
         raise Unread(f"{name}axis, part]", "its axis or its part is not read: use X, Y, Z and TR")
     if part not in parts:
         readable = " and ".join(parts)
         raise Unread(f"{name}axis, {part}]", f"of the parts of a frame {readable} is read: write the whole frame")
-    return frame_functions.SLOTS[letter], part
+    return SLOTS[letter], part

@@ -15,8 +15,7 @@ from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.orientation import along
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax import frame_functions
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, solid
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 _ORDER = "the first rotary axis is the one that carries the other; with a head and a table, that of the head"
@@ -146,7 +145,7 @@ def _projected(named: list[int], angles: list[float], control: Control) -> Matri
         )
     control.findings.assumed("CYCLE800 with projection angles turns as ROTS does, then about the third axis")
     pair = {"XYZ"[axis]: angle / DEGREE for axis, angle in zip(named[:2], angles)}
-    return affine.product(frame_functions.solid(pair), affine.rotation(named[2], angles[2]))
+    return affine.product(solid(pair), affine.rotation(named[2], angles[2]))
 
 
 def _retract(arguments: Arguments, control: Control, state: State) -> None:
