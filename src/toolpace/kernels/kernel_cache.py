@@ -20,6 +20,7 @@ import atexit
 import contextlib
 import functools
 import hashlib
+import io
 import os
 import pickle
 import platform
@@ -35,7 +36,8 @@ import llvmlite
 import numba
 import numpy as np
 from llvmlite import binding
-from numba.core import compiler, config, serialize
+from numba.core import compiler, config, environment, serialize
+from numba.core.runtime import rtsys
 
 from toolpace.kernels.baseline import baselines, processor, usable
 
@@ -271,6 +273,28 @@ def warn(message: str) -> None:
     _warned().append(message)
 
 
+class _Unpickler(pickle.Unpickler):
+    """Reads a compiled function without an import of the modules that its parts were written in.
+
+    numba imports them for their globals, which only code of interpreted objects reads; ours is compiled without any.
+    """
+
+    def find_class(self, module: str, name: str) -> Any:
+        rebuilds = (module, name) == (environment._rebuild_env.__module__, environment._rebuild_env.__name__)
+        return _environment if rebuilds else super().find_class(module, name)
+
+
+def _environment(module: str, constants: list[Any], name: str) -> Any:
+    """What machine code finds constants in (texts of errors, say), with the name of a module for its globals."""
+    found = environment.lookup_environment(name)
+    if found is None:
+        found = environment.Environment({"__name__": module})
+        found.consts[:] = constants
+        found.env_name = name
+        environment.Environment._memo[name] = found
+    return found
+
+
 class KernelCache:
     """What numba asks for a kernel's code, and gives it to; in place of numba's own cache."""
 
@@ -287,14 +311,16 @@ class KernelCache:
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """Return the compiled function for a signature, or None."""
-        target_context.refresh()
         if not self._enabled:
             return None
         data = store().load(self.file(signature))
         if data is None:
             return None
+        # Machine code calls numba's functions for memory. What numba compiles with (half a second of imports, with
+        # scipy.linalg) is not needed to load it; where something is to be compiled, numba's compiler refreshes itself.
+        rtsys.initialize(target_context)
         try:
-            return compiler.CompileResult._rebuild(target_context, *pickle.loads(data))
+            return compiler.CompileResult._rebuild(target_context, *_Unpickler(io.BytesIO(data)).load())
         except Exception as error:
             store().damaged(self.file(signature), f"unreadable, {type(error).__name__}")
             return None
