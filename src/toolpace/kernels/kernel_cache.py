@@ -20,7 +20,6 @@ import atexit
 import contextlib
 import functools
 import hashlib
-import io
 import os
 import pickle
 import platform
@@ -36,7 +35,7 @@ import llvmlite
 import numba
 import numpy as np
 from llvmlite import binding
-from numba.core import compiler, config, environment, serialize
+from numba.core import compiler, config, serialize
 from numba.core.runtime import rtsys
 
 from toolpace.kernels.baseline import baselines, processor, usable
@@ -273,28 +272,6 @@ def warn(message: str) -> None:
     _warned().append(message)
 
 
-class _Unpickler(pickle.Unpickler):
-    """Reads a compiled function without an import of the modules that its parts were written in.
-
-    numba imports them for their globals, which only code of interpreted objects reads; ours is compiled without any.
-    """
-
-    def find_class(self, module: str, name: str) -> Any:
-        rebuilds = (module, name) == (environment._rebuild_env.__module__, environment._rebuild_env.__name__)
-        return _environment if rebuilds else super().find_class(module, name)
-
-
-def _environment(module: str, constants: list[Any], name: str) -> Any:
-    """What machine code finds constants in (texts of errors, say), with the name of a module for its globals."""
-    found = environment.lookup_environment(name)
-    if found is None:
-        found = environment.Environment({"__name__": module})
-        found.consts[:] = constants
-        found.env_name = name
-        environment.Environment._memo[name] = found
-    return found
-
-
 class KernelCache:
     """What numba asks for a kernel's code, and gives it to; in place of numba's own cache."""
 
@@ -316,11 +293,11 @@ class KernelCache:
         data = store().load(self.file(signature))
         if data is None:
             return None
-        # Machine code calls numba's functions for memory. What numba compiles with (half a second of imports, with
-        # scipy.linalg) is not needed to load it; where something is to be compiled, numba's compiler refreshes itself.
+        # Machine code calls numba's functions for memory. What numba compiles with takes a quarter of a second to
+        # set up and is not needed to load it; where something is to be compiled, numba's compiler sets it up.
         rtsys.initialize(target_context)
         try:
-            return compiler.CompileResult._rebuild(target_context, *_Unpickler(io.BytesIO(data)).load())
+            return compiler.CompileResult._rebuild(target_context, *pickle.loads(data))
         except Exception as error:
             store().damaged(self.file(signature), f"unreadable, {type(error).__name__}")
             return None
