@@ -20,7 +20,7 @@ def imported_by(arguments: list[str]) -> set[str]:
     """Names of the modules that a command has imported when it ends."""
     text = (
         "import sys, toolpace.cli\n"
-        "try:\n    toolpace.cli.main(sys.argv[1:])\nexcept SystemExit as ended:\n    assert not ended.code, ended.code\n"
+        "try:\n    toolpace.cli.main(sys.argv[1:])\nexcept SystemExit as end:\n    assert not end.code, end.code\n"
         "print('IMPORTED', *sorted(sys.modules))"
     )
     run = subprocess.run([sys.executable, "-c", text, *arguments], capture_output=True, text=True, check=True)

@@ -1,4 +1,4 @@
-"""The B-splines that are not zero at a place, with derivatives, by de Boor's recursion (A Practical Guide to Splines, X).
+"""The B-splines that are not zero at a place, with derivatives: de Boor, A Practical Guide to Splines, chapter X.
 
 In arrays, and to the bit what scipy.interpolate.BSpline gives; that import takes half as long as a short plan.
 """
