@@ -91,7 +91,7 @@ def spline(coefficients: Floats, step: float) -> Callable[[Floats, int], Floats]
     before = [coefficients[0] + 2.0 * first, coefficients[0] + first]
     after = [coefficients[-1] + last, coefficients[-1] + 2.0 * last]
     extended = np.concatenate([before, coefficients, after])
-    knots: Floats = step * (np.arange(len(extended) + 3) - 2.5)
+    knots = step * (np.arange(len(extended) + 3, dtype=np.float64) - 2.5)
     return lambda t, order: spline_values(knots, extended, 2, t, order)
 
 
