@@ -10,6 +10,7 @@ over a turn, with an integral along each edge.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -36,17 +37,21 @@ SINES = math.sin(math.pi / 36.0), math.sin(math.pi / 12.0)
 """Of the angle of 5 degrees between motion and tool axis up to which nothing is cut, and of 15, from which all is."""
 OVER = 1.05
 """By how much the speed may be above the feed of the program where the force of the largest feed is asked for."""
-ANGLES = 240
-"""Places of the integral over the immersion, by Gauss and Legendre."""
-NODES = np.polynomial.legendre.leggauss(ANGLES)
-HEIGHTS = np.polynomial.legendre.leggauss(12)
-"""The same along an edge, over what of it is in the material."""
+ANGLES, HEIGHTS = 240, 12
+"""Places of the integral over the immersion, by Gauss and Legendre, and of that along an edge in the material."""
 TURN = 900
 """Angles of a turn at which the peak is looked for."""
 SLICE = 0.04
 """Lag of the helix over a slice [rad]."""
 CHIPS = 25
 """Feeds per tooth at which the force is worked out; between them it is interpolated."""
+
+
+@functools.cache
+def gauss(count: int) -> tuple[Floats, Floats]:
+    """Places and weights (count,) of the rule on [-1, 1]: worked out only where a tool bends, since it takes long."""
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return places, weights
 
 
 @dataclass(frozen=True)
@@ -260,7 +265,7 @@ class ForceTable:
     def mean(self, chip: float) -> Floats:
         """(3,) mean over a turn."""
         start, end = self.angles
-        nodes, weights = NODES
+        nodes, weights = gauss(ANGLES)
         phi = 0.5 * (end - start) * nodes + 0.5 * (end + start)
         share = 0.5 * (end - start) * weights / (2.0 * math.pi)
         # without runout all heights are alike
@@ -295,7 +300,7 @@ class ForceTable:
         else:
             ends = np.sort([(phi - end) / slope, (phi - start) / slope], axis=0)
             low, high = np.clip(ends, 0.0, self.depth)
-        nodes, weights = HEIGHTS
+        nodes, weights = gauss(HEIGHTS)
         z = 0.5 * (high - low)[:, None] * nodes + 0.5 * (high + low)[:, None]
         force = self.edge(tooth, phi[:, None] - slope * z, z, chip)
         summed: Floats = np.einsum("nzc,z->nc", force, weights) * (0.5 * (high - low))[:, None]

@@ -36,6 +36,7 @@ import numba
 import numpy as np
 from llvmlite import binding
 from numba.core import compiler, config, serialize
+from numba.core.runtime import rtsys
 
 from toolpace.kernels.baseline import baselines, processor, usable
 
@@ -287,12 +288,14 @@ class KernelCache:
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """Return the compiled function for a signature, or None."""
-        target_context.refresh()
         if not self._enabled:
             return None
         data = store().load(self.file(signature))
         if data is None:
             return None
+        # Machine code calls numba's functions for memory. What numba compiles with takes a quarter of a second to
+        # set up and is not needed to load it; where something is to be compiled, numba's compiler sets it up.
+        rtsys.initialize(target_context)
         try:
             return compiler.CompileResult._rebuild(target_context, *pickle.loads(data))
         except Exception as error:

@@ -12,6 +12,7 @@ another function's in most of them, however short.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -38,9 +39,12 @@ NOISE = 1e-6
 """Share of the even derivative, range over length to its order, below which one is noise: 1 - tanh(x)^2 is a rounding
 far from its bend, and that over a small width cubed is told as a derivative."""
 
-_X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-PLACES = np.concatenate([[0.0], 0.5 * (1.0 + _X), [1.0]])
-"""Of a cell from 0 to 1: its ends, and those of the rule."""
+
+@functools.cache
+def gauss() -> tuple[Floats, Floats]:
+    """Places (10,) in a cell from 0 to 1: its ends, and those of Gauss' rule. The weights (8,) of the rule; sum 2."""
+    x, weights = np.polynomial.legendre.leggauss(8)
+    return np.concatenate([[0.0], 0.5 * (1.0 + x), [1.0]]), weights
 
 
 class CallableRun(AxisRun):
@@ -133,7 +137,7 @@ def check_derivatives(
     length = LENGTH * (s1 - s0)
     golden = np.modf(np.arange(CELLS) * 0.5 * (np.sqrt(5.0) - 1.0))[0]
     starts = s0 + (np.arange(CELLS) + golden) / CELLS * (s1 - s0 - length)
-    values = evaluate((starts[:, None] + length * PLACES).ravel())[0]
+    values = evaluate((starts[:, None] + length * gauss()[0]).ravel())[0]
     noise = NOISE * np.ptp(values, axis=0) / (s1 - s0) ** np.arange(1, 4)[:, None, None]
     off, _, _ = _compared(evaluate, starts, length, noise, name)
     for order, column in np.argwhere(off.any(axis=1)):
@@ -164,13 +168,14 @@ def _compared(
 
     `noise` (3, 1, c) is what derivatives may be off by.
     """
-    s = starts[:, None] + length * PLACES
+    places, of_rule = gauss()
+    s = starts[:, None] + length * places
     jets = evaluate(s.ravel()).reshape(4, *s.shape, -1)
     if not np.isfinite(jets).all():
         order, cell, place, _ = np.argwhere(~np.isfinite(jets))[0]
         raise PathError(f"{name}: f(s, {order}) is not finite at s = {s[cell, place]:.9g}")
     change = jets[:3, :, -1] - jets[:3, :, 0]
-    inside, weights = jets[1:, :, 1:-1], 0.5 * length * _WEIGHTS[None, None, :, None]
+    inside, weights = jets[1:, :, 1:-1], 0.5 * length * of_rule[None, None, :, None]
     integral, size = (weights * inside).sum(axis=2), (weights * np.abs(inside)).sum(axis=2)
     eps = float(np.finfo(float).eps)
     rounding = eps * (np.abs(jets[:3]).max(axis=2) + np.abs(s).max() * np.abs(jets[1:]).max(axis=2))

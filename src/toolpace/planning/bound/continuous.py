@@ -19,6 +19,7 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
+from toolpace.path.basis_splines import spline_values
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
@@ -86,15 +87,12 @@ def densities(knots: Knots, dual: Floats) -> tuple[Floats, Floats]:
 
 def spline(coefficients: Floats, step: float) -> Callable[[Floats, int], Floats]:
     """The quadratic spline over even knots whose k-th coefficient belongs to the time (k + 1) step; f(t, order)."""
-    from scipy.interpolate import BSpline
-
     first, last = coefficients[0] - coefficients[1], coefficients[-1] - coefficients[-2]
     before = [coefficients[0] + 2.0 * first, coefficients[0] + first]
     after = [coefficients[-1] + last, coefficients[-1] + 2.0 * last]
     extended = np.concatenate([before, coefficients, after])
-    knots = step * (np.arange(len(extended) + 3) - 2.5)
-    found = BSpline(knots, extended, 2)
-    return lambda t, order: np.asarray(found(t, order))
+    knots = step * (np.arange(len(extended) + 3, dtype=np.float64) - 2.5)
+    return lambda t, order: spline_values(knots, extended, 2, t, order)
 
 
 def dual_integral(

@@ -15,13 +15,13 @@ from itertools import pairwise
 from math import comb, factorial
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
+from toolpace.path.basis_splines import spline_values
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.fit import LIMIT, largest_of_cells
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
@@ -195,9 +195,10 @@ def with_change(known: Known, x: Floats) -> SplineRun:
     cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
     given, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
     padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
-    change = BSpline(padded, x[:, :5] * known.scale, 5)
+    change = x[:, :5] * known.scale
     taylor = [
-        sum(comb(i, k) * given[:, i] * ahead ** (i - k) for i in range(k, 6)) + change(breaks[:-1], nu=k) / factorial(k)
+        sum(comb(i, k) * given[:, i] * ahead ** (i - k) for i in range(k, 6))
+        + spline_values(padded, change, 5, breaks[:-1], k) / factorial(k)
         for k in range(6)
     ]
     return replace(run, breaks=breaks, coefficients=np.stack(taylor, axis=1), tip_off=np.zeros(0), axis_off=np.zeros(0))

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.kernels import path_and_pace as kernel
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
+from toolpace.path.basis_splines import cells_of, nonzero_basis
 from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.spline import turn_metric
 from toolpace.path.follow_run import FollowRun
@@ -182,13 +182,7 @@ def by_place(derivatives: Floats) -> Floats:
 def local_basis(breaks: Floats, degree: int, at: Floats, order: int) -> Floats:
     """(n, degree + 1) a derivative of the B-splines that are not zero, at places (n,) inside the cells."""
     padded = np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
-    count, width = len(breaks) + degree - 1, degree + 1
-    # of any neighbouring ones each has a column of its own
-    unit = np.zeros((count, width))
-    unit[np.arange(count), np.arange(count) % width] = 1.0
-    cell = np.clip(np.searchsorted(breaks, at, side="right") - 1, 0, len(breaks) - 2)
-    column = (cell[:, None] + np.arange(width)) % width
-    return np.take_along_axis(BSpline(padded, unit, degree)(at, nu=order), column, axis=1)
+    return nonzero_basis(padded, degree, cells_of(padded, degree, at), at, order)
 
 
 def in_time(by_s: Floats, state: Floats) -> Floats:
