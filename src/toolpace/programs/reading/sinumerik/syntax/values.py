@@ -55,7 +55,6 @@ class Memory(Protocol):
 
 
 Compiled = Callable[[Memory], Value]
-ValueFault = BlockError
 
 
 class Unread(Exception):
