@@ -98,7 +98,7 @@ class Ended(KeyboardInterrupt):
 
 
 @contextmanager
-def heard() -> Iterator[None]:
+def ending_signals() -> Iterator[None]:
     """Let the block meet signals that end a process as exceptions; what was written before is forgotten."""
     finished.clear()
     before = {}

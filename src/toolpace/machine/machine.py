@@ -258,10 +258,10 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def check_machine(machine: object, asks: str, wanted: str = "a Machine") -> None:
-    """Raise UsageError where something else is given in place of a machine; `asks` is who asks for it."""
+def check_machine(machine: object, caller: str, wanted: str = "a Machine") -> None:
+    """Raise UsageError where something else is given in place of a machine; `caller` names who asks for it."""
     if isinstance(machine, Machine):
         return
     if isinstance(machine, str):
-        raise UsageError(f"{asks}: '{machine}' is the name of a machine; give Machine.load('{machine}')")
-    raise UsageError(f"{asks}: {type(machine).__name__} in place of a machine; give {wanted}")
+        raise UsageError(f"{caller}: '{machine}' is the name of a machine; give Machine.load('{machine}')")
+    raise UsageError(f"{caller}: {type(machine).__name__} in place of a machine; give {wanted}")

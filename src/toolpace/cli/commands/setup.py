@@ -158,7 +158,7 @@ def setup_command(
             mapped=0 if search.no_map else MAPPED,
             client=where.client(),
             out=arguments.folder_for_results(arguments.default_folder(program, "setup") if out is None else out),
-            feed=arguments.feed_asked(feed),
+            feed=arguments.feed_option(feed),
             dialect=dialect,
             options=how,
         )

@@ -62,7 +62,7 @@ def inside_spline(
         finer = refined_at(line.s, spline.breaks, bad)
         where = finer[~np.isin(finer, spline.breaks)]
         spline = spline.over(finer)
-        data = sample(line, finer, axis_tolerance, machine, known=data)
+        data = sample(line, finer, axis_tolerance, machine, previous=data)
     raise PathError("the program asks for a corner that no curve within the tolerance can follow")
 
 
