@@ -1,4 +1,4 @@
-"""Standard output that may be closed early, and clean ends after Ctrl-C and other signals."""
+"""The process of a command: standard output that may be closed early, clean ends after Ctrl-C and signals."""
 
 from __future__ import annotations
 

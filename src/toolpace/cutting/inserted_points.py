@@ -1,4 +1,4 @@
-"""A tool path with points inserted where bending may change."""
+"""A tool path with points inserted where the bending of the tool may change."""
 
 from __future__ import annotations
 

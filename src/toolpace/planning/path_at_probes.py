@@ -1,4 +1,4 @@
-"""A path at the nodes and probes of mesh cells, from as few evaluations as determine it, each made once."""
+"""A path at the nodes and probes of mesh cells, from the fewest evaluations that determine it."""
 
 from __future__ import annotations
 

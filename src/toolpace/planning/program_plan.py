@@ -1,4 +1,4 @@
-"""Path and motion of a whole program, each optimised for the other.
+"""Path and motion of a whole program, from its tool path, tolerances and a machine.
 
 for some tolerances of the tool axis, up to the one asked for: a path within a narrow one is within a wider
     a path within the tolerances, as smooth as its length allows                  (low: this one is planned)

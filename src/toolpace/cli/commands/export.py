@@ -1,4 +1,4 @@
-"""The command `export`: its options as people type them, and what was written."""
+"""The command `export`: its options in SI units, and the list of written files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `setup`: its options, the search for a set-up, and what was found."""
+"""The command `setup`: its options, the search for a set-up, and the table of results."""
 
 from __future__ import annotations
 

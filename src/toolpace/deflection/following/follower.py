@@ -11,9 +11,9 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.value_objects import one_line
-from toolpace.deflection.following.figures import Figures, number
 from toolpace.deflection.following.law import law_of, read_law, write_law
 from toolpace.deflection.following.samples import FollowedJoints, followed_joints_of, samples_of
+from toolpace.deflection.following.settings import Figures, number
 from toolpace.deflection.following.signals import Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.machine.limits import Limits

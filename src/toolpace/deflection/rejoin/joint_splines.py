@@ -1,4 +1,4 @@
-"""Joint splines from the measured state to the motion that is rejoined, in a given time, on steps short at its start.
+"""Joint splines of given duration, from the measured state to the motion that is rejoined.
 
 late      by how much the rest of the motion comes later: the time taken, less what the commanded law takes
 lead      where the end's motion is known exactly; from there its state goes on in a straight line with `late`

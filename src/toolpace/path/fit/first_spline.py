@@ -15,7 +15,7 @@ from toolpace.common.errors import PathError
 from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.smooth import Range, ranges, solve_ranges
+from toolpace.path.fit.smoothest_spline import Range, ranges, solve_ranges
 from toolpace.path.fit.spline import Samples, Spline, knots_of, sample
 
 INSIDE = 0.6
