@@ -28,7 +28,7 @@ class Library(whole):
         return super().__getattr__(name)
 ctypes.CDLL = Library
 """
-COMMAND = HIDE + "from toolpace.cli import main\nmain(sys.argv[1:])"
+COMMAND = HIDE + "from toolpace.cli import main\nsys.exit(main(sys.argv[1:]))"
 PROGRAM = "G21 G90 G54\nG43.4 H1\nG1 X10 Y0 Z10 A0 C0 F1000\nX20 Y5\nX30 Y5 A5\nX40 Y0\nM30\n"
 ALL = "fcntl,resource,renameat2,sched_getaffinity,mallopt"
 
@@ -76,7 +76,7 @@ def test_a_batch_runs_on_two_workers(tmp_path):
 
 def test_what_the_system_does_not_tell_has_a_value():
     code = HIDE + (
-        "from toolpace.common.cluster.remote import keep_memory\n"
+        "from toolpace.common.cluster.pool import keep_memory\n"
         "from toolpace.common.files.free_space import free_memory\n"
         "from toolpace.kernels.ahead_of_time import cores\n"
         "from toolpace.kernels.lock import FileLock\n"

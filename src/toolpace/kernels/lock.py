@@ -8,6 +8,10 @@ from types import TracebackType
 from typing import IO, Any
 
 
+class NoLocksError(OSError):
+    """The system, or the file system, knows no locks."""
+
+
 class FileLock:
     """The lock on one file, which is made where it is not there."""
 
@@ -17,19 +21,22 @@ class FileLock:
         self._file: IO[bytes] | None = None
 
     def take(self) -> bool:
-        """Whether this process has the lock now; raises OSError where the system knows no locks."""
+        """Whether this process has the lock now; raises NoLocksError where nothing can be locked."""
         if self._file is None:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("ab")
+        posix, windows = _module("fcntl"), _module("msvcrt")
+        if posix is None and windows is None:
+            raise NoLocksError("this system knows no locks")
         try:
-            if (posix := _module("fcntl")) is not None:
+            if posix is not None:
                 posix.flock(self._file.fileno(), posix.LOCK_EX | posix.LOCK_NB)
-            elif (windows := _module("msvcrt")) is not None:
-                windows.locking(self._file.fileno(), windows.LK_NBLCK, 1)
             else:
-                raise OSError("this system knows no locks")
+                windows.locking(self._file.fileno(), windows.LK_NBLCK, 1)
         except (BlockingIOError, PermissionError):
             return False
+        except OSError as error:
+            raise NoLocksError(error.errno, error.strerror) from error
         return True
 
     def __enter__(self) -> FileLock:
