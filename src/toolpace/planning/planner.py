@@ -147,10 +147,10 @@ def planner_of(planner: str | Planner, options: dict[str, object], caller: str =
         raise UsageError(f"{caller}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
     module, name_of_class = HOMES[planner]
     kind = getattr(importlib.import_module(f"toolpace.planning.{module}"), name_of_class)
-    names = [field.name for field in fields(kind)]
+    allowed = [field.name for field in fields(kind)]
     for name in options:
-        if name not in names:
-            raise UsageError(f"{caller}: the planner {planner} has no option '{name}'; {did_you_mean(name, names)}")
+        if name not in allowed:
+            raise UsageError(f"{caller}: the planner {planner} has no option '{name}'; {did_you_mean(name, allowed)}")
     made: Planner = kind(**options)
     return made
 
