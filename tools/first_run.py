@@ -1,7 +1,8 @@
 """What a first run compiles, and how long it takes: `python tools/first_run.py`, from an empty cache.
 
 Prints kernels, specialisations and seconds. Fails where a kernel was compiled for two signatures, or where the demo
-compiled one that was not compiled beforehand: then `python tools/first_run.py --record` writes the signatures anew.
+compiled one that was not compiled beforehand: then `python tools/first_run.py --record` writes the signatures anew,
+and beside them those that other usual commands compile besides, for wheels.
 """
 
 from __future__ import annotations
@@ -13,6 +14,20 @@ import tempfile
 import time
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from toolpace.kernels.compile_order import Text
+
+MACHINE = "xyzac-trunnion"
+PROGRAM = """G21 G90 G54
+G43.4 H1
+G1 X10 Y0 Z10 A0 C0 F1000
+X20 Y5
+X30 Y5 A5
+X40 Y0
+M30
+"""
 
 
 def main() -> int:
@@ -52,22 +67,48 @@ def kernel_files(base: Path) -> list[str]:
 
 
 def record(folder: Path) -> int:
-    """Write the signatures of all kernels that a demo compiles."""
+    """Write the signatures of all kernels that a demo compiles, and of those that other usual commands add."""
     from toolpace.cli import main as toolpace
     from toolpace.kernels import ahead_of_time, compile_order
     from toolpace.kernels.jit import KERNELS
 
     ahead_of_time.is_warm = lambda: True  # nothing is compiled beforehand
     toolpace(["demo", "--out", str(folder / "demo")])
-    found = {}
+    of_demo = compiled_now()
+    compile_order.write_signatures(of_demo)
+    run_other_commands(folder)
+    further = {name: kinds for name, kinds in compiled_now().items() if name not in of_demo}
+    compile_order.write_signatures(further, compile_order.FURTHER)
     for name, kernel in KERNELS.items():
-        for each in kernel.signatures[:1]:
-            found[name] = [compile_order.to_text(kind) for kind in each]
         for each in kernel.signatures[1:]:
             print(f"compiled again: {name}{each}")
-    compile_order.write_signatures(found)
-    print(f"{len(found)} kernels")
+    print(f"{len(of_demo)} kernels, {len(further)} more of other commands")
     return 0
+
+
+def compiled_now() -> dict[str, list[Text]]:
+    """Signatures of the kernels that this process has compiled or loaded, by name; of several the first."""
+    from toolpace.kernels.compile_order import to_text
+    from toolpace.kernels.jit import KERNELS
+
+    compiled = {name: kernel.signatures[0] for name, kernel in KERNELS.items() if kernel.signatures}
+    return {name: [to_text(kind) for kind in signature] for name, signature in compiled.items()}
+
+
+def run_other_commands(folder: Path) -> None:
+    """Run what people use besides `plan`: other planners, the time of a control, a search of set-ups, a follower."""
+    import toolpace as tp
+    from toolpace.cli import main as toolpace
+
+    program, planned = folder / "part.ngc", folder / "part-plan"
+    program.write_text(PROGRAM, "ascii")
+    on_machine = [str(program), "--machine", MACHINE]
+    for planner in ("genetic", "second-order"):
+        toolpace(["plan", *on_machine, "--planner", planner, "--out", str(folder / planner)])
+    toolpace(["time", *on_machine])
+    toolpace(["setup", *on_machine, "--trials", "20", "--workers", "0", "--out", str(folder / "setup")])
+    toolpace(["plan", *on_machine, "--out", str(planned)])
+    tp.Follower.from_folder(planned, reserve=0.1).step()
 
 
 if __name__ == "__main__":

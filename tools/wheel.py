@@ -1,7 +1,8 @@
 """A wheel for this platform that brings compiled kernels: `python tools/wheel.py [FOLDER]`, dist by default.
 
-The kernels of a first run are compiled for each baseline of the processor, in a folder of their own; `hatch_build.py`
-takes them into the wheel. Where an installation has other versions of numba, NumPy or Python, they are compiled anew.
+The kernels of a first run, and those of other usual commands, are compiled for each baseline of the processor, in a
+folder of their own; `hatch_build.py` takes them into the wheel. Where an installation has other versions of numba,
+NumPy or Python, they are compiled anew.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 from toolpace.kernels.baseline import baselines
 
 REPOSITORY = Path(__file__).parents[1]
-COMPILE = "from toolpace.kernels.ahead_of_time import warm_up as go; go()"
+COMPILE = "from toolpace.kernels.ahead_of_time import warm_up as go; go(further=True)"
 COPY = (
     "import sys; from pathlib import Path; "
     "from toolpace.kernels.kernel_cache import write_built as go; go(Path(sys.argv[1]))"

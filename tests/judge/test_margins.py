@@ -10,7 +10,8 @@ import pytest
 
 from tests.support import motions
 from toolpace.judge import verify
-from toolpace.judge.motion import largest_difference, position_noise
+from toolpace.judge.largest import difference_beyond_rounding
+from toolpace.judge.motion import position_noise
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.tolerances import Tolerances
@@ -43,7 +44,7 @@ def test_a_shorter_last_step_shows_the_derivative_that_it_has(order):
     t = with_short_end()
     begin = t[-1 - order]
     q = np.maximum(t - begin, 0.0) ** order / (1.0, 2.0, 6.0)[order - 1]
-    value, at = largest_difference(q, t, order, DT)
+    value, at = difference_beyond_rounding(q, t, order, DT, np.zeros(len(q)))
     assert value == pytest.approx(1.0, rel=1e-3) and at == len(t) - 1
 
 
@@ -75,10 +76,10 @@ def test_position_noise_is_the_rounding_of_a_position_and_of_its_time():
         q = speed * t
         worked_out = max(abs(float(Fraction(float(a)) - Fraction(speed) * Fraction(float(b)))) for a, b in zip(q, t))
         of_time = speed * float(np.spacing(t.max())) / 2.0
-        assert worked_out + of_time <= position_noise(q, t, speed)
-        assert of_time <= position_noise(np.sin(q), t, speed)
+        assert worked_out + of_time <= position_noise(float(q.max()), float(t.max()), speed)
+        assert of_time <= position_noise(1.0, float(t.max()), speed)
     # of a joint within a metre at the start of time: four units in the last place of a metre, no more
-    assert position_noise(np.array([0.1, -0.9]), np.zeros(2), 1.0) <= 4.5 * np.finfo(float).eps
+    assert position_noise(0.9, 0.0, 1.0) <= 4.5 * np.finfo(float).eps
 
 
 @pytest.mark.parametrize("column", ["tip", "axis"])

@@ -18,12 +18,11 @@ KERNELS = ("optimal.multipliers.set_bounds", "optimal.multipliers.tiled", "optim
 """The last one calls the first."""
 COMPILE = """
 import sys
-from toolpace.kernels import signatures
+from toolpace.kernels import compile_order
 from toolpace.kernels.jit import KERNELS
-from toolpace.kernels.compile_order import import_kernels
-import_kernels()
+compile_order.import_kernels()
 for name in sys.argv[1:]:
-    KERNELS[name].compile(tuple(signatures.from_text(each) for each in signatures.read_signatures()[name]))
+    KERNELS[name].compile(tuple(compile_order.from_text(each) for each in compile_order.read_signatures()[name]))
 """
 PLAN = """
 import numpy as np

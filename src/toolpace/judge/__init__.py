@@ -16,9 +16,10 @@ import numpy as np
 
 from toolpace.common.errors import UsageError
 from toolpace.judge.figures import Figures
+from toolpace.judge.largest import Peaks, each_block
 from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
 from toolpace.judge.program import ProgramJudgement, program_checks
-from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_table
+from toolpace.judge.tool import forward_kinematics, length_checks, pole_rounding, tool_checks, tool_table
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
@@ -126,13 +127,14 @@ def _judged(
         return Verification(tuple(checks), step, len(points)), None
     units = _units(machine)
     rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
-    checks += motion_checks(points, limits, units, step, rounding)
-    checks += column_checks(points, limits, units, step)
-    checks += rest_checks(points, limits, units, step)
+    peaks = Peaks.of(points, step)
+    checks += motion_checks(points, limits, units, peaks, rounding)
+    checks += column_checks(points, limits, units, peaks)
+    checks += rest_checks(points, limits, units, peaks)
     judged = ProgramJudgement([], math.nan, math.nan)
     if isinstance(machine, Machine):
         checks += _names(points, machine)
-        tip, axis = machine.forward(points.q, points.tool_length)
+        tip, axis = forward_kinematics(points, machine)
         checks += tool_checks(points, machine, tip, axis)
         if toolpath is not None:
             checks += length_checks(points, machine, toolpath, tool_table(sheet))
@@ -161,7 +163,14 @@ def _finite(points: SetPoints) -> Check | None:
     """A failed check if there is no set-point, or one that is no number."""
     if len(points) == 0:
         return Check("set-points", 0.0, 1.0, "", False, note="there is none")
-    for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length"):
+    columns = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length")
+
+    def all_finite(begin: int, end: int) -> bool:
+        return all(bool(np.isfinite(getattr(points, name)[begin:end]).all()) for name in columns)
+
+    if all(each_block(all_finite, len(points))):
+        return None
+    for name in columns:
         bad = ~np.isfinite(getattr(points, name))
         if bad.any():
             row, *column = np.argwhere(bad)[0]

@@ -95,8 +95,9 @@ def align(
         deviations = _follow(sweep, motion, LEAST_WORK + WORK * (len(motion) + len(program)))
     except _LostError as lost:
         return Lost(lost.pose, lost.distance)
-    there = _finish(sweep)
-    raised = sweep.radius - within
+    there, raised = _finish(sweep), sweep.radius - within
+    # of a long motion its places take as much memory as all that is still to come
+    del sweep
     back = Sweep(program, room, Line(motion, raised + 2.0 * ROUNDING, none), np.full(len(program), within))
     if back.run(-1, len(program) - 1) < len(program) - 1:
         raise AssertionError("two rows are near each other, but not the other way round")
@@ -247,7 +248,9 @@ def _finish(sweep: Sweep) -> Alignment:
 
 def room_at_poses(room: Floats) -> Floats:
     """(n, 2) the least room of both ways (n - 1, 2) that meet at a pose."""
-    least: Floats = np.minimum(np.concatenate([room[:1], room]), np.concatenate([room, room[-1:]]))
+    least = np.empty((len(room) + 1, 2))
+    least[[0, -1]] = room[[0, -1]]
+    np.minimum(room[:-1], room[1:], out=least[1:-1])
     return least
 
 

@@ -64,17 +64,16 @@ def feed_use(
     there: Alignment,
     owner: Ints,
     tip: Floats,
-    ways: Floats,
+    lengths: Floats,
     tolerances: Floats,
 ) -> FeedUse | None:
-    """How fast the tip at (n, 3), which goes by `ways` (n - 1, 3), goes for the feeds of the program; None where it has
-    none. `tolerances` (p, 2) of tip [m] and axis [rad] on the way to each point of the program."""
+    """How fast the tip at (n, 3), which goes as far as `lengths` (n - 1,) [m] in each step, goes for the feeds of the
+    program; None where it has none. `tolerances` (p, 2) of tip [m] and axis [rad] on the way to each of its points."""
     if not np.isfinite(toolpath.feed[1:]).any():
         return None
-    moved = np.sqrt((ways**2).sum(axis=1))
     steps = np.diff(points.t)
-    speed = moved / steps
-    noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(np.abs(tip).max()), 1.0) / steps
+    speed = lengths / steps
+    noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(tip.max()), -float(tip.min()), 1.0) / steps
     cap = _largest(toolpath.feed, motion, there, owner)
     with np.errstate(divide="ignore"):
         slowest = _largest(1.0 / toolpath.feed, motion, there, owner)

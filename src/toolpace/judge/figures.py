@@ -16,7 +16,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.passing import OperationFigures, Passages
-from toolpace.judge.tool import ways
+from toolpace.judge.tool import way_lengths
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine
@@ -138,7 +138,7 @@ class Figures:
             blocks = self.toolpath.blocks or len(set(self.toolpath.block.tolist()))
             checks += [self.same("blocks", blocks), self.same("stops", int(self.toolpath.stop[1:-1].sum()))]
         if said["path_length_mm"] is not None and self.points.has_tool:
-            length = float(np.sqrt((ways(self.points, self.points.tip, self.points.axis) ** 2).sum(axis=1)).sum())
+            length = float(way_lengths(self.points, self.points.tip, self.points.axis).sum())
             checks.append(self.same("path_length_mm", length * 1e3, "", 1e-7))
         else:
             note = "is not given" if self.points.has_tool else "cannot be found: set-points have no tip and axis"

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.judge.largest import EPS, Largest, Peaks, columns_of, difference_beyond_rounding, each_block
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
@@ -21,15 +22,15 @@ _KINDS = ("velocity", "acceleration", "jerk")
 """First, second and third derivative."""
 _PER = ("s", "s2", "s3")
 """What their units are divided by."""
-_EPS = float(np.finfo(np.float64).eps)
-"""Relative distance from 1 to the next number: rounding is at most half of it."""
 COLUMN_ROUNDING = 1e-9
 """Relative error of the set-points' own derivatives, which are worked out, not differenced.
 
 As a share of the mean jerk no test holds it: JUMPS grants a window far more of that.
 """
 WINDOW = 256
-"""Steps over which the column of jerks is compared with the accelerations."""
+"""Steps over which the column of jerks is compared with the accelerations; a block holds whole windows."""
+AROUND = 2
+"""Steps before and behind a window whose change of the mean jerk may belong to it."""
 JUMPS = 2.0
 """Jumps of a jerk by its largest value that may hide between set-points in one window."""
 CHANGE = 2.0
@@ -55,7 +56,7 @@ def step_check(points: SetPoints) -> tuple[float, list[Check]]:
     even = steps[:-1] if 0.0 < steps[-1] < step else steps
     off = np.abs(even - step) if len(even) else np.zeros(1)
     worst = int(np.argmax(off))
-    noise = 4.0 * _EPS * float(np.abs(points.t).max())
+    noise = 4.0 * EPS * float(np.abs(points.t).max())
     ok = bool(step > 0.0 and off[worst] <= EVENNESS * abs(step) + noise)
     time, block = float(points.t[worst]), int(points.block[worst])
     if step <= 0.0:
@@ -65,13 +66,16 @@ def step_check(points: SetPoints) -> tuple[float, list[Check]]:
     ]
 
 
-def position_noise(q: Floats, t: Floats, speed: float) -> float:
-    """How far a position may be off by rounding: a few units in the last place of it and of its time."""
-    return _EPS * (4.0 * max(float(np.abs(q).max()), 1.0) + speed * float(np.abs(t).max()))
+def position_noise(position: float, time: float, speed: float) -> float:
+    """How far a position may be off by rounding: a few units in the last place of it and of its time.
+
+    All three are the largest there are, without sign.
+    """
+    return EPS * (4.0 * max(position, 1.0) + speed * time)
 
 
 def motion_checks(
-    points: SetPoints, limits: Limits, units: Sequence[str], dt: float, rounding: Callable[[], Floats] | None = None
+    points: SetPoints, limits: Limits, units: Sequence[str], peaks: Peaks, rounding: Callable[[], Floats] | None = None
 ) -> list[Check]:
     """Velocity, acceleration and jerk of every joint.
 
@@ -81,20 +85,19 @@ def motion_checks(
     check of its own. `rounding` tells what positions (n, m) may be off by beside that; it is asked where a limit seems
     to be passed.
     """
-    checks = []
+    checks, dt = [], peaks.dt
     for order, kind in enumerate(_KINDS, start=1):
+        column = peaks.columns[order - 1]
         for j, joint in enumerate(points.joints):
             limit = float(getattr(limits, kind)[j])
-            q = points.q[:, j]
-            noise = 2.0**order * position_noise(q, points.t, float(np.abs(points.qd[:, j]).max())) / dt**order
-            value, at = largest_difference(q, points.t, order, dt)
+            speed = float(peaks.columns[0].value[j])
+            noise = 2.0**order * position_noise(float(peaks.position[j]), peaks.time, speed) / dt**order
+            value, at = peaks.difference(points, order, j)
             if value > limit * (1.0 + TOLERANCE) + noise and rounding is not None:
-                value, at = largest_difference(q, points.t, order, dt, rounding()[:, j])
-            column = np.abs((points.qd, points.qdd, points.qddd)[order - 1][:, j])
-            worst = int(np.argmax(column))
+                value, at = difference_beyond_rounding(points.q[:, j], points.t, order, dt, rounding()[:, j])
             note = ""
-            if column[worst] > max(value, limit * (1.0 + TOLERANCE)):
-                value, at, note = float(column[worst]), worst, "by the set-point's own derivative"
+            if column.value[j] > max(value, limit * (1.0 + TOLERANCE)):
+                value, at, note = float(column.value[j]), int(column.row[j]), "by the set-point's own derivative"
             ok = value <= limit * (1.0 + TOLERANCE) + noise
             time, block = float(points.t[at]), int(points.block[at])
             unit = unit_of(units[j], order)
@@ -102,47 +105,16 @@ def motion_checks(
     return checks
 
 
-def largest_difference(
-    q: Floats, t: Floats, order: int, dt: float, rounding: Floats | None = None
-) -> tuple[float, int]:
-    """Largest |difference| / dt^order and the set-point in its middle; a shorter last step by divided
-    differences. What `rounding` (n,) of the positions may make of it is taken off."""
-    n = len(q)
-    if n <= order:
-        return 0.0, 0
-    value, at = 0.0, 0
-    short = t[-1] - t[-2] < 0.999 * dt
-    even = np.abs(np.diff(q[: n - 1] if short else q, n=order))
-    if rounding is not None:
-        most = rounding[: len(even)]
-        for k in range(1, order + 1):
-            most = np.maximum(most, rounding[k : k + len(even)])
-        even = np.maximum(even - 2.0**order * most, 0.0)
-    if len(even):
-        k = int(np.argmax(even))
-        value, at = float(even[k]) / dt**order, k + order // 2
-    if short:
-        # The span, not the short step, is what a divided difference of order k is divided by last.
-        times, table = t[n - 1 - order :], q[n - 1 - order :]
-        for k in range(1, order + 1):
-            table = np.diff(table) / (times[k:] - times[:-k])
-        tail = abs(float(table[0])) * math.factorial(order)
-        shortest = max(float(t[-1] - t[-2]) / dt, 1e-9)
-        tail -= 2.0**order * 8.0 * _EPS * max(float(np.abs(q).max()), 1.0) / (dt**order * shortest)
-        if tail > value:
-            value, at = tail, n - 1
-    return value, at
-
-
-def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+def rest_checks(points: SetPoints, limits: Limits, units: Sequence[str], peaks: Peaks) -> list[Check]:
     """Rest at start and end: from rest, the first step is at most J dt^3 / 6 (or a dt^2 / 2, or v dt)."""
+    dt = peaks.dt
     most = still_step(limits, dt)
+    noise = 4.0 * EPS * np.maximum(peaks.position, 1.0)
     checks = []
     for name, first, second in (("start", 0, 1), ("end", len(points) - 1, len(points) - 2)):
         moved = np.abs(points.q[first] - points.q[second])
         own = np.abs(points.qd[first]) * dt
         off = np.maximum(moved, own)
-        noise = 4.0 * _EPS * np.maximum(np.abs(points.q).max(axis=0), 1.0)
         j = int(np.argmax(off / (most + noise)))
         ok = bool(off[j] <= most[j] * (1.0 + TOLERANCE) + 2.0 * noise[j])
         time, block = float(points.t[first]), int(points.block[first])
@@ -160,7 +132,7 @@ def still_step(limits: Limits, dt: float) -> Floats:
     return least
 
 
-def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: float) -> list[Check]:
+def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], peaks: Peaks) -> list[Check]:
     """Whether positions, velocities and accelerations are one another's derivatives, by the trapezoidal rule.
 
     Its error over a step is at most J dt^3 / 12 for a velocity with |jerk| <= J, and J dt^2 / 4 for an
@@ -174,42 +146,63 @@ def column_checks(points: SetPoints, limits: Limits, units: Sequence[str], dt: f
     """
     checks = []
     jumpy = ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
-    steps = np.diff(points.t)
-    shown = [largest_difference(points.q[:, j], points.t, 3, dt)[0] for j in range(len(points.joints))]
-    for name, below, above, power, share, of_shown in (
-        ("velocity", points.q, points.qd, 3, 12.0, 4.0),
-        ("acceleration", points.qd, points.qdd, 2, 4.0, 1.0),
+    of_velocity, of_acceleration = _largest_misfits(points, jumpy)
+    scales = (peaks.position, *(column.value for column in peaks.columns))
+    for order, name, misfit, share, of_shown in (
+        (1, "velocity", of_velocity, 12.0, 4.0),
+        (2, "acceleration", of_acceleration, 4.0, 1.0),
     ):
+        period = peaks.dt ** (4 - order)
         for j, joint in enumerate(points.joints):
-            jerk = float(limits.jerk[j])
-            allowed = jerk * (1.0 + TOLERANCE) * dt**power / share
+            jerk, shown = float(limits.jerk[j]), peaks.difference(points, 3, j)[0]
+            allowed = jerk * (1.0 + TOLERANCE) * period / share
             if not math.isfinite(jerk):
-                allowed = 2.0 * shown[j] * dt**power / of_shown
-            elif shown[j] > jerk * (1.0 + TOLERANCE):
-                allowed = max(allowed, shown[j] * dt**power / of_shown)
-            if not len(steps) or (jumpy[j] and name == "acceleration"):
+                allowed = 2.0 * shown * period / of_shown
+            elif shown > jerk * (1.0 + TOLERANCE):
+                allowed = max(allowed, shown * period / of_shown)
+            if jumpy[j] and name == "acceleration":
                 continue
-            off = np.abs(np.diff(below[:, j]) - 0.5 * steps * (above[1:, j] + above[:-1, j]))
-            if jumpy[j]:
-                change = np.abs(np.diff(np.diff(below[:, j]) / steps, prepend=0.0, append=0.0))
-                off -= steps * (change[:-1] + change[1:])
-            worst = int(np.argmax(off))
-            scale = float(np.abs(below[:, j]).max())
-            noise = 2.0 * position_noise(below[:, j], points.t, float(np.abs(above[:, j]).max()))
-            noise += COLUMN_ROUNDING * dt * scale
-            ok = bool(off[worst] <= allowed + noise)
-            if not ok:
-                time, block = float(points.t[worst]), int(points.block[worst])
-                unit = unit_of(units[j], 0 if name == "velocity" else 1)
+            scale, slope = float(scales[order - 1][j]), float(scales[order][j])
+            noise = 2.0 * position_noise(scale, peaks.time, slope) + COLUMN_ROUNDING * peaks.dt * scale
+            off, at = float(misfit.value[j]), int(misfit.row[j])
+            if not off <= allowed + noise:
+                time, block = float(points.t[at]), int(points.block[at])
+                unit = unit_of(units[j], order - 1)
                 note = f"the {name} column is not the derivative of its neighbour"
-                checks.append(Check(f"{name} column", float(off[worst]), allowed, unit, ok, time, block, joint, note))
+                checks.append(Check(f"{name} column", off, allowed, unit, False, time, block, joint, note))
     note = "not judged: nothing limits acceleration nor jerk"
     free = [points.joints[j] for j in np.flatnonzero(jumpy)]
     checks += [Check("acceleration column", math.nan, 0.0, "", True, joint=joint, note=note) for joint in free]
-    return checks + _jerk_columns(points, np.flatnonzero(~jumpy), units, steps)
+    return checks + _jerk_columns(points, np.flatnonzero(~jumpy), units, peaks)
 
 
-def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: Floats) -> list[Check]:
+def _largest_misfits(points: SetPoints, jumpy: Bools) -> tuple[Largest, Largest]:
+    """By how much a step of positions is off the mean of the velocities at its ends, of velocities off that of the
+    accelerations, at most; of `jumpy` joints (m,) less what a jump of the velocity may make of it."""
+    last = len(points) - 1
+
+    def of_block(begin: int, end: int) -> tuple[Largest, Largest]:
+        steps = np.diff(points.t[begin : end + 1])
+        q, qd, qdd = (columns_of(each, begin, end + 1) for each in (points.q, points.qd, points.qdd))
+        of_q, of_qd = (
+            np.abs(np.diff(below, axis=1) - 0.5 * steps * (above[:, 1:] + above[:, :-1]))
+            for below, above in ((q, qd), (qd, qdd))
+        )
+        if jumpy.any():
+            before, behind = max(begin - 1, 0), min(end + 1, last)
+            around = columns_of(points.q, before, behind + 1)[jumpy]
+            mean = np.diff(around, axis=1) / np.diff(points.t[before : behind + 1])
+            # the joint rests before and behind the motion
+            mean = np.pad(mean, ((0, 0), (int(begin == 0), int(end == last))))
+            change = np.abs(np.diff(mean, axis=1))
+            of_q[jumpy] -= steps * (change[:, :-1] + change[:, 1:])
+        return Largest.of(of_q, begin), Largest.of(of_qd, begin)
+
+    of_q, of_qd = zip(*each_block(of_block, last))
+    return Largest.of_all(of_q), Largest.of_all(of_qd)
+
+
+def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], peaks: Peaks) -> list[Check]:
     """Whether the accelerations change as the jerks say.
 
     A jerk may jump between two set-points, and then the mean of both is not that of the step. By how much, the means
@@ -220,45 +213,59 @@ def _jerk_columns(points: SetPoints, judged: Ints, units: Sequence[str], steps: 
     accelerations, a column holds the whole jerk wherever a set-point meets one (`_hidden`).
     A column of another motion, of no motion, or turned round, is off by all of the jerk.
     """
-    checks: list[Check] = []
-    if len(steps) < 2:
-        return checks
-    for j in judged:
-        joint = points.joints[j]
-        mean = np.diff(points.qdd[:, j]) / steps
-        off = np.abs(mean - 0.5 * (points.qddd[1:, j] + points.qddd[:-1, j]))
-        change = np.abs(np.diff(mean, prepend=mean[0]))
-        between = np.diff(points.qd[:, j]) / steps - 0.5 * (points.qdd[1:, j] + points.qdd[:-1, j])
-        sag = np.abs(between) / steps
-        noise = COLUMN_ROUNDING * float(np.abs(points.qdd[:, j]).max()) / steps + COLUMN_ROUNDING * np.abs(mean).max()
-        starts = np.arange(0, len(steps), WINDOW)
-        found = np.add.reduceat(off, starts)
+    last = len(points) - 1
+    if last < 2 or not len(judged):
+        return []
+    rounding = COLUMN_ROUNDING * peaks.columns[1].value[judged, None]
+    mean_jerk = peaks.mean_jerk[judged, None]
+
+    def of_block(begin: int, end: int) -> tuple[Floats, Floats]:
         # What changes just before and behind a window may belong to a step in it.
-        total = np.concatenate(([0.0], np.cumsum(change)))
-        around = total[np.minimum(starts + WINDOW + 2, len(steps))] - total[np.maximum(starts - 2, 0)]
-        peak = np.maximum.reduceat(np.maximum(np.abs(points.qddd[1:, j]), np.abs(points.qddd[:-1, j])), starts)
+        before, behind = max(begin - AROUND - 1, 0), min(end + AROUND, last)
+        steps = np.diff(points.t[before : behind + 1])
+        mean = np.diff(columns_of(points.qdd, before, behind + 1)[judged], axis=1) / steps
+        total = np.cumsum(np.abs(np.diff(mean, axis=1, prepend=mean[:, :1])), axis=1)
+        total = np.concatenate((np.zeros((len(judged), 1)), total), axis=1)
+        steps, mean = steps[begin - before : end - before], mean[:, begin - before : end - before]
+        qd, qdd, qddd = (columns_of(each, begin, end + 1)[judged] for each in (points.qd, points.qdd, points.qddd))
+        off = np.abs(mean - 0.5 * (qddd[:, 1:] + qddd[:, :-1]))
+        between = np.diff(qd, axis=1) / steps - 0.5 * (qdd[:, 1:] + qdd[:, :-1])
+        sag = np.abs(between) / steps
+        noise = rounding / steps + COLUMN_ROUNDING * mean_jerk
+        starts = np.arange(0, end - begin, WINDOW)
+        found = np.add.reduceat(off, starts, axis=1)
+        first = np.maximum(starts + begin - AROUND, 0) - before
+        around = total[:, np.minimum(starts + begin + WINDOW + AROUND, last) - before] - total[:, first]
+        peak = np.maximum.reduceat(np.maximum(np.abs(qddd[:, 1:]), np.abs(qddd[:, :-1])), starts, axis=1)
         swing, more = _hidden(sag, peak, starts)
-        allowed = CHANGE * around + JUMPS * np.maximum(np.abs(mean).max(), peak) + more
-        allowed += np.add.reduceat(np.maximum(SAG * sag, swing) + noise, starts)
-        worst = int(np.argmax(found - allowed))
-        if found[worst] > allowed[worst]:
-            k, count = int(starts[worst]), min(WINDOW, len(steps) - int(starts[worst]))
+        allowed = CHANGE * around + JUMPS * np.maximum(mean_jerk, peak) + more
+        allowed += np.add.reduceat(np.maximum(SAG * sag, swing) + noise, starts, axis=1)
+        return found, allowed
+
+    found, allowed = (np.concatenate(parts, axis=1) for parts in zip(*each_block(of_block, last)))
+    checks = []
+    for row, j in enumerate(judged):
+        worst = int(np.argmax(found[row] - allowed[row]))
+        if found[row, worst] > allowed[row, worst]:
+            k = worst * WINDOW
+            count = min(WINDOW, last - k)
             time, block = float(points.t[k]), int(points.block[k])
-            value, limit = float(found[worst]) / count, float(allowed[worst]) / count
+            value, limit = float(found[row, worst]) / count, float(allowed[row, worst]) / count
             note = "the jerk column is not the derivative of the accelerations, in the mean of a window"
-            checks.append(Check("jerk column", value, limit, unit_of(units[j], 3), False, time, block, joint, note))
+            unit, joint = unit_of(units[j], 3), points.joints[j]
+            checks.append(Check("jerk column", value, limit, unit, False, time, block, joint, note))
     return checks
 
 
 def _hidden(sag: Floats, peak: Floats, starts: Ints) -> tuple[Floats, Floats]:
-    """By how much (steps,) swings of the jerk that are over within a step let it stray from its mean, as expected, and
-    (windows,) how much more a window may happen to have.
+    """By how much (m, steps) swings of the jerk that are over within a step let it stray from its mean, as expected,
+    and (m, windows) how much more a window may happen to have.
 
     A jerk of J one way for a time T, and the other way for as long, is a change in velocity of J T^2 that no
     acceleration shows: the mean acceleration of the step is off by J T^2 / dt, its `sag` by dt. So the swing lasts
     2 T = 2 dt (sag / J)^(1/2), a set-point meets it in as large a share of the cases, and the column then is off by J:
     2 (J sag)^(1/2) as expected. How many of n are met has a variance of n at most. J is the `peak` of the window.
     """
-    steps = np.diff(np.append(starts, len(sag)))
-    swing = 2.0 * np.sqrt(np.repeat(peak, steps) * sag)
-    return swing, SPREADS * np.sqrt(peak * np.add.reduceat(swing, starts))
+    steps = np.diff(np.append(starts, sag.shape[1]))
+    swing = 2.0 * np.sqrt(np.repeat(peak, steps, axis=1) * sag)
+    return swing, SPREADS * np.sqrt(peak * np.add.reduceat(swing, starts, axis=1))

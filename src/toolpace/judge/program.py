@@ -13,7 +13,7 @@ from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passages, Passing
 from toolpace.judge.rows import MotionRow, motion_row, program_line
-from toolpace.judge.tool import ways
+from toolpace.judge.tool import way_lengths
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine
@@ -69,8 +69,7 @@ def program_checks(
     if bent is not None:
         where = bent.tips(points, tip, axis, line, owner, tolerances.along, dt)
     there = tip if isinstance(where, Lost) else where
-    poses = np.hstack((there / tip_unit, axis / axis_unit))
-    motion = motion_row(points, poses, machine.limits, dt)
+    motion = motion_row(points, np.hstack((there / tip_unit, axis / axis_unit)), machine.limits, dt)
     found = where if isinstance(where, Lost) else align(motion.poses, line, 1.0 + GRACE, motion.allowance, room)
     judge = _Judge(points, toolpath, motion, owner, tolerances)
     if isinstance(found, Lost):
@@ -82,7 +81,7 @@ def program_checks(
             side_check(points, motion, found.there, line, owner, outward, float(tip_unit), GRACE * float(tip_unit))
         )
     passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
-    use = feed_use(points, toolpath, motion, found.there, owner, tip, ways(points, tip, axis), tolerances.along)
+    use = feed_use(points, toolpath, motion, found.there, owner, tip, way_lengths(points, tip, axis), tolerances.along)
     checks += [use.check(points)] if use is not None else []
     checks += passing.least_times(dt) + passing.stops(machine, dt)
     checks += block_check(points, toolpath, motion, found.there, owner)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.judge.largest import each_block
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
@@ -160,65 +161,100 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
 
     Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
     50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
+    Poses that are equal to the one before are left out.
     """
-    n = len(points)
-    parts, unseen, second = np.ones(n - 1, dtype=np.int64), np.zeros(n - 1), np.zeros((n, 6))
-    inner = _curved(points.q, limits, dt) & (np.abs(np.diff(points.t) - dt) <= 1e-6 * dt)
-    if n >= 6:
-        second[1:-1] = np.diff(poses, n=2, axis=0)
-        size = _size(second)
-        size = np.maximum(size[:-1], size[1:])
-        inner[[0, -2, -1]] = False
-        inner &= ~_beside(points.tool_length, n)
-        parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)
-        fourth = _size(np.diff(poses, n=4, axis=0))
-        # Of the step from k to k + 1: all differences that have both of them.
-        padded = np.concatenate((np.repeat(fourth[:1], 3), fourth, np.repeat(fourth[-1:], 3)))
-        around = np.max([padded[shift : shift + n - 1] for shift in range(4)], axis=0)
-        unseen = np.minimum(UNSEEN * around, MOST_UNSEEN)
-    after, share = _shares(np.arange(1, n), parts)
-    k = after - 1
-    exact = share == 1.0
-    row = np.concatenate((poses[:1], poses[after]))
-    # of long motions most steps are one chord: what is worked out is what lies between set-points
-    between = np.flatnonzero(~exact)
-    here, there, u = k[between], after[between], share[between][:, None]
-    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[here] + (1.0 + u) * second[there])
-    row[1 + between] = poses[here] + u * (poses[there] - poses[here]) - bend
-    allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k])))
-    setpoint = np.concatenate(([0], np.where(exact, after, k)))
-    time = np.concatenate((points.t[:1], points.t[k] + share * (points.t[after] - points.t[k])))
-    time[np.concatenate(([True], exact))] = points.t
-    exact = np.concatenate(([True], exact))
-    found = _standing_as_one(row, allowance, setpoint, time, exact)
+    beside = _beside(points.tool_length, len(points))
+    stretches = each_block(
+        lambda begin, end: _stretch(points, poses, limits, dt, beside, begin, end), len(points) - 1
+    )
+    kept, exact, setpoint, time = (
+        np.concatenate([getattr(stretch, name) for stretch in stretches])
+        for name in ("kept", "exact", "setpoint", "time")
+    )
+    rows, allowance = [[getattr(each, name) for each in stretches] for name in ("poses", "allowance")]
+    if kept.sum() < 2:
+        # a row has two poses, even where nothing moves
+        kept[-1] = True
+        rows.append(poses[-1:])
+        allowance.append(np.zeros(1))
+    starts = np.flatnonzero(kept)
+    ends = np.append(starts[1:], len(kept)) - 1
+    found = MotionRow(
+        poses=np.concatenate(rows),
+        allowance=np.concatenate(allowance),
+        first=setpoint[starts],
+        last=setpoint[ends],
+        early=time[starts],
+        late=time[ends],
+        row=(np.cumsum(kept) - 1)[exact],
+    )
     # when the tool is changed is known to a step
     changed = np.flatnonzero(np.diff(points.tool_length))
     found.late[found.row[changed]], found.early[found.row[changed + 1]] = points.t[changed + 1], points.t[changed]
     return found
 
 
-def _standing_as_one(
-    poses: Floats, allowance: Floats, setpoint: Ints, time: Floats, exact: npt.NDArray[np.bool_]
-) -> MotionRow:
-    """The row without poses that are equal to the one before."""
-    kept = np.concatenate(([True], (poses[1:] != poses[:-1]).any(axis=1)))
-    if kept.sum() < 2:
-        kept[-1] = True
-    starts = np.flatnonzero(kept)
-    ends = np.concatenate((starts[1:], [len(poses)])) - 1
-    row = np.cumsum(kept) - 1
-    return MotionRow(
-        poses=np.ascontiguousarray(poses[starts]),
-        allowance=allowance[starts],
-        first=setpoint[starts],
-        last=setpoint[ends],
-        early=time[starts],
-        late=time[ends],
-        row=row[exact],
-    )
+class _Stretch(NamedTuple):
+    """The row of some steps: the ends of their chords, and the first set-point of all where they begin with it."""
+
+    kept: Bools
+    """(k,) whether a pose is another than the one before."""
+    exact: Bools
+    """(k,) whether it is a set-point."""
+    setpoint: Ints
+    """(k,) which, or the one before."""
+    time: Floats
+    """(k,) [s]"""
+    poses: Floats
+    """(kept, 6)"""
+    allowance: Floats
+    """(kept,)"""
 
 
-def _beside(tool_length: Floats, n: int) -> npt.NDArray[np.bool_]:
+def _stretch(
+    points: SetPoints, poses: Floats, limits: Limits, dt: float, beside: Bools, begin: int, end: int
+) -> _Stretch:
+    """That of the steps from `begin` to `end`; `beside` (n - 1,) tells of all steps whether a tool changes there."""
+    n = len(points)
+    # the differences about a step reach to three set-points before it and behind it
+    first, last = max(begin - 3, 0), min(end + 4, n)
+    mine = slice(begin - first, end - first)
+    t, near = points.t[first:last], poses[first:last]
+    inner = _curved(points.q[first:last], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
+    parts, unseen, second = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin), np.zeros((last - first, 6))
+    if n >= 6:
+        second[1:-1] = np.diff(near, n=2, axis=0)
+        size = _size(second)
+        size = np.maximum(size[:-1], size[1:])
+        inner &= ~beside[first : last - 1]
+        steps = np.arange(first, last - 1)
+        inner &= (steps > 0) & (steps < n - 3)
+        parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)[mine]
+        fourth = _size(np.diff(near, n=4, axis=0))
+        # of the step from k to k + 1: all differences that have both of them
+        differences = (np.clip(np.arange(begin, end) - back, first, last - 5) - first for back in range(4))
+        unseen = np.minimum(UNSEEN * np.max([fourth[each] for each in differences], axis=0), MOST_UNSEEN)
+    after, share = _shares(np.arange(begin + 1, end + 1), parts)
+    k = after - 1
+    exact = share == 1.0
+    row = np.concatenate((poses[begin : begin + 1], poses[after]))
+    # of long motions most steps are one chord: what is worked out is what lies between set-points
+    between = np.flatnonzero(~exact)
+    here, there, u = k[between], after[between], share[between][:, None]
+    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[here - first] + (1.0 + u) * second[there - first])
+    row[1 + between] = poses[here] + u * (poses[there] - poses[here]) - bend
+    allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k - begin])))
+    setpoint = np.concatenate(([begin], np.where(exact, after, k)))
+    on_the_way = points.t[k] + share * (points.t[after] - points.t[k])
+    time = np.concatenate((points.t[begin : begin + 1], np.where(exact, points.t[after], on_the_way)))
+    kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
+    # the set-point that it begins with is that of the stretch before
+    of_it = slice(int(begin > 0), None)
+    kept, exact = kept[of_it], np.concatenate(([True], exact))[of_it]
+    return _Stretch(kept, exact, setpoint[of_it], time[of_it], row[of_it][kept], allowance[of_it][kept])
+
+
+def _beside(tool_length: Floats, n: int) -> Bools:
     """(n - 1,) whether differences about a step have tips of several tools in them."""
     near = np.zeros(n - 1, dtype=bool)
     for change in np.flatnonzero(np.diff(tool_length)):
@@ -226,12 +262,12 @@ def _beside(tool_length: Floats, n: int) -> npt.NDArray[np.bool_]:
     return near
 
 
-def _curved(q: Floats, limits: Limits, dt: float) -> npt.NDArray[np.bool_]:
+def _curved(q: Floats, limits: Limits, dt: float) -> Bools:
     """(n - 1,) whether second differences on both sides of a step are those of a motion within its accelerations."""
     most = limits.acceleration * dt * dt * (1.0 + 1e-3) + 1e-12
     smooth = np.ones(len(q), dtype=bool)
     smooth[1:-1] = (np.abs(np.diff(q, n=2, axis=0)) <= most).all(axis=1)
-    both: npt.NDArray[np.bool_] = smooth[1:] & smooth[:-1]
+    both: Bools = smooth[1:] & smooth[:-1]
     return both
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
+from toolpace.judge.largest import Largest, columns_of, each_block
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
@@ -27,33 +28,46 @@ SAME = 1e-9
 METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 
 
+def forward_kinematics(points: SetPoints, machine: Machine) -> tuple[Floats, Floats]:
+    """Tips (n, 3) [m] and tool axes (n, 3) of the set-points' joint positions."""
+    tip, axis = np.empty((len(points), 3)), np.empty((len(points), 3))
+
+    def of_block(begin: int, end: int) -> None:
+        rows = slice(begin, end)
+        tip[rows], axis[rows] = machine.forward(points.q[rows], points.tool_length[rows] if lengths else None)
+
+    lengths = len(points.tool_length)
+    each_block(of_block, len(points))
+    return tip, axis
+
+
 def tool_checks(points: SetPoints, machine: Machine, tip: Floats, axis: Floats) -> list[Check]:
     """Travel of each joint; the tip and axis columns against `tip` and `axis`, the forward kinematics of
     `q`."""
+
+    def of_block(begin: int, end: int) -> tuple[Largest, Largest, Largest]:
+        q, rows = columns_of(points.q, begin, end), slice(begin, end)
+        pairs = ((points.tip, tip), (points.axis, axis)) if points.has_tool else ()
+        off = [np.sqrt(((told[rows] - true[rows]) ** 2).sum(axis=1)) for told, true in pairs]
+        return Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), end - begin)), begin)
+
+    highest, lowest, off = (Largest.of_all(parts) for parts in zip(*each_block(of_block, len(points))))
     checks = []
     for j, joint in enumerate(points.joints):
         low, high = float(machine.travel[j, 0]), float(machine.travel[j, 1])
         unit = "rad" if machine.is_rotary[j] else "m"
-        q = points.q[:, j]
-        for bound, worst, at_least in ((high, int(np.argmax(q)), False), (low, int(np.argmin(q)), True)):
+        for bound, worst, at_least in ((high, int(highest.row[j]), False), (low, int(lowest.row[j]), True)):
             if np.isfinite(bound):
-                value = float(q[worst])
+                value = float(points.q[worst, j])
                 over = bound - value if at_least else value - bound
                 time, block = float(points.t[worst]), int(points.block[worst])
                 ok = over <= TRAVEL_ROUNDING
                 name = "lowest position" if at_least else "highest position"
                 checks.append(Check(name, value, bound, unit, ok, time, block, joint, at_least=at_least))
-    if points.has_tool:
-        for name, told, true, limit, unit in (
-            ("tip column", points.tip, tip, AGREEMENT, "m"),
-            ("axis column", points.axis, axis, AGREEMENT, "rad"),
-        ):
-            off = np.sqrt(((told - true) ** 2).sum(axis=1))
-            worst = int(np.argmax(off))
-            time, block = float(points.t[worst]), int(points.block[worst])
-            ok = bool(off[worst] <= limit)
-            note = "against forward kinematics"
-            checks.append(Check(name, float(off[worst]), limit, unit, ok, time, block, note=note))
+    for name, unit, value, worst in zip(("tip column", "axis column"), ("m", "rad"), off.value, off.row):
+        time, block = float(points.t[worst]), int(points.block[worst])
+        ok, note = bool(value <= AGREEMENT), "against forward kinematics"
+        checks.append(Check(name, float(value), AGREEMENT, unit, ok, time, block, note=note))
     return checks
 
 
@@ -91,13 +105,24 @@ def _plain(name: str) -> str:
     return name.lstrip("0") or "0" if name.strip().isdigit() else " ".join(name.split())
 
 
-def ways(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
-    """(n - 1, 3) how the tip at (n, 3) goes in each step, with the tool in the spindle at its begin: where another one
-    takes its place the tip is elsewhere, and did not go there."""
-    step = np.diff(tip, axis=0)
+def ways(points: SetPoints, tip: Floats, axis: Floats, begin: int, end: int) -> Floats:
+    """(k, 3) how the tip at (n, 3) goes in the steps from `begin` to `end`, with the tool in the spindle at
+    their begin: where another one takes its place the tip is elsewhere, and did not go there."""
+    step = np.diff(tip[begin : end + 1], axis=0)
     if len(points.tool_length):
-        step += np.diff(points.tool_length)[:, None] * axis[1:]
+        step += np.diff(points.tool_length[begin : end + 1])[:, None] * axis[begin + 1 : end + 1]
     return step
+
+
+def way_lengths(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
+    """(n - 1,) how far the tip goes in each step [m]; see `ways`."""
+    lengths = np.empty(len(points) - 1)
+
+    def of_block(begin: int, end: int) -> None:
+        lengths[begin:end] = np.sqrt((ways(points, tip, axis, begin, end) ** 2).sum(axis=1))
+
+    each_block(of_block, len(lengths))
+    return lengths
 
 
 def length_checks(points: SetPoints, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:

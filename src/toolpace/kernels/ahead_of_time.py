@@ -26,7 +26,7 @@ from collections.abc import Callable
 
 from numba.core import config
 
-from toolpace.kernels.compile_order import Work, from_text, import_kernels, read_signatures
+from toolpace.kernels.compile_order import FURTHER, Work, from_text, import_kernels, read_signatures
 from toolpace.kernels.jit import KERNELS
 from toolpace.kernels.kernel_cache import COMPLETE, Store, store, warn
 from toolpace.kernels.lock import FileLock
@@ -53,14 +53,18 @@ def ensure_warm() -> None:
     warm_up()
 
 
-def warm_up(tell: Tell = lambda share: None) -> None:
-    """Compile what is missing of a first run's kernels; return when it is there, whoever did it."""
+def warm_up(tell: Tell = lambda share: None, further: bool = False) -> None:
+    """Compile what is missing of a first run's kernels; return when it is there, whoever did it.
+
+    `further` takes the kernels of other usual commands with them, where nothing is compiled yet: for a wheel.
+    """
     kept = store()
     if config.DISABLE_JIT or is_warm() or kept.folder is None or not sys.executable or getattr(sys, "frozen", False):
         return
     if (kept.folder / COMPLETE).exists():
         warn(f"compiled kernels in {kept.folder} are damaged; compiled again")
-    needed = len(read_signatures())
+    signatures = {**(read_signatures(FURTHER) if further else {}), **read_signatures()}
+    needed = len(signatures)
     with FileLock(kept.folder / "lock") as lock:
         found, since = 0, time.monotonic()
         while not _taken(lock):
@@ -75,7 +79,7 @@ def warm_up(tell: Tell = lambda share: None) -> None:
             time.sleep(BREATH)
         if kept.complete():
             return
-        work = Work(read_signatures())
+        work = Work(signatures)
         if _share_out(work, kept, tell):
             kept.mark_complete()
 
@@ -159,7 +163,7 @@ def compile_on_order() -> None:
     gc.disable()  # looking for garbage among what is kept would take a tenth of the time
     answers = sys.stdout
     sys.stdout = sys.stderr  # what the compiler may print is no answer
-    signatures = read_signatures()
+    signatures = {**read_signatures(FURTHER), **read_signatures()}
     import_kernels()
     for line in sys.stdin:
         name = line.strip()

@@ -22,6 +22,8 @@ import numba
 from toolpace.kernels.jit import KERNELS, called_by
 
 FILE = Path(__file__).with_name("signatures.json")
+FURTHER = Path(__file__).with_name("further_signatures.json")
+"""Those that other usual commands compile besides: a wheel brings them, a first run does not wait for them."""
 ARRAY = re.compile(r"(\w+)\[(\d+)(?:, layout ([AF]))?(, read-only)?\]")
 
 types: Any = numba.types
@@ -29,16 +31,16 @@ Text = str | list[Any]
 """A type as it is written."""
 
 
-def read_signatures() -> dict[str, list[Text]]:
+def read_signatures(file: Path = FILE) -> dict[str, list[Text]]:
     """Signature of each kernel, by its name."""
-    found: dict[str, list[Text]] = json.loads(FILE.read_text("utf-8"))
+    found: dict[str, list[Text]] = json.loads(file.read_text("utf-8"))
     return found
 
 
-def write_signatures(signatures: dict[str, list[Text]]) -> None:
+def write_signatures(signatures: dict[str, list[Text]], file: Path = FILE) -> None:
     """Write them, one kernel a line."""
     rows = [f"{json.dumps(name)}: {json.dumps(kinds)}" for name, kinds in sorted(signatures.items())]
-    FILE.write_text("{\n" + ",\n".join(rows) + "\n}\n", "utf-8")
+    file.write_text("{\n" + ",\n".join(rows) + "\n}\n", "utf-8")
 
 
 def to_text(kind: Any) -> Text:

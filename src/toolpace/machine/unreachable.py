@@ -18,7 +18,13 @@ UNLIKELY = 3.0
 
 def check_travel(geometry: Geometry, q: Floats, block: Ints, source: str = "") -> None:
     """Raise ReachError where joint positions (n, m) leave the travel, naming the worst joint and line."""
-    if not np.isfinite(q).all():
+    if not len(q):
+        return
+    lowest, highest = q.min(axis=0), q.max(axis=0)
+    finite = np.isfinite(lowest).all() and np.isfinite(highest).all()
+    if finite and (lowest >= geometry.travel[:, 0] - SLACK).all() and (highest - geometry.travel[:, 1] <= SLACK).all():
+        return
+    if not finite:
         point = int(np.argmax(~np.isfinite(q).all(axis=1)))
         raise ReachError(f"{place(source, block[point])}joint positions are not finite")
     below = geometry.travel[:, 0] - SLACK - q

@@ -23,6 +23,8 @@ from toolpace.motion.setpoints import SetPoints, refuse_too_many
 from toolpace.path.axis_path import AxisPath
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from toolpace.machine.machine import Machine
 
 BINDING = 0.995
@@ -176,34 +178,37 @@ class Trajectory:
         motion, _ = self._motion_in_pieces(times.ravel())
         return motion if times.ndim else Motion(motion.q[0], motion.qd[0], motion.qdd[0], motion.qddd[0])
 
-    def _motion_in_pieces(self, t: Floats) -> tuple[Motion, Ints]:
-        """Motion and block at times t, without room for all derivatives of all of them at once."""
-        if len(t) <= CHUNK:
-            return self._motion(t)
+    def _motion_in_pieces(
+        self, t: Floats, finish: Callable[[slice, Motion], None] = lambda part, motion: None
+    ) -> tuple[Motion, Ints]:
+        """Motion and block at times t, without room for all derivatives of all of them at once.
+
+        `finish` is called with each part of the rows and its motion, which it may change, while this is in the cache.
+        """
         m = len(self.joints)
         motion, block = Motion(*(np.empty((len(t), m)) for _ in range(4))), np.empty(len(t), dtype=np.int64)
 
         def fill(start: int) -> None:
             part = slice(start, start + CHUNK)
-            now, block[part] = self._motion(t[part])
-            motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part] = now.q, now.qd, now.qdd, now.qddd
+            of_part = Motion(motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part])
+            self._put_motion(t[part], of_part, block[part])
+            finish(part, of_part)
 
         Workers().each(fill, range(0, len(t), CHUNK))
         return motion, block
 
-    def _motion(self, t: Floats) -> tuple[Motion, Ints]:
+    def _put_motion(self, t: Floats, motion: Motion, block: Ints) -> None:
+        """Put the motion and the blocks at times t (n,) where they belong."""
         run, state = self._state(t)
-        m = len(self.joints)
-        parts = [np.empty((len(t), m)) for _ in range(4)]
-        block = np.zeros(len(t), dtype=np.int64)
-        for k in np.unique(run):
-            of_run = run == k
-            axis_run = self.axis_path.runs[k]
-            now = joint_motion(axis_run.evaluate(np.clip(state[0, of_run], axis_run.s0, axis_run.s1)), state[:, of_run])
-            for part, value in zip(parts, (now.q, now.qd, now.qdd, now.qddd)):
-                part[of_run] = value
-            block[of_run] = axis_run.block_at(state[0, of_run])
-        return Motion(*parts), block
+        runs = np.unique(run)
+        for k in runs:
+            # most stretches of time are of one run, and need no picking
+            of_run = slice(None) if len(runs) == 1 else run == k
+            axis_run, now = self.axis_path.runs[k], state[:, of_run]
+            joints = joint_motion(axis_run.evaluate(np.clip(now[0], axis_run.s0, axis_run.s1)), now)
+            motion.q[of_run], motion.qd[of_run] = joints.q, joints.qd
+            motion.qdd[of_run], motion.qddd[of_run] = joints.qdd, joints.qddd
+            block[of_run] = axis_run.block_at(now[0])
 
     def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
         """Tip [m] and axis, in the workpiece frame, of the tool in the spindle: (3,) at one time t [s], (n, 3) at times
@@ -231,20 +236,18 @@ class Trajectory:
         ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
         refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
-        motion, block = self._motion_in_pieces(t)
         machine, lengths = self.axis_path.machine, self.axis_path.tool_lengths
         tip, axis = (np.empty((len(t) if machine else 0, 3)) for _ in range(2))
         grid = grids(self.limits, dt) if on_grid else None
 
-        def finish(start: int) -> None:
-            part = slice(start, start + CHUNK)
+        def finish(part: slice, motion: Motion) -> None:
             if grid is not None:
                 for column, values in zip(grid, (motion.q, motion.qd, motion.qdd, motion.qddd)):
-                    round_to(column, values[part])
+                    round_to(column, values)
             if machine:
-                tip[part], axis[part] = self._tool(machine, t[part], motion.q[part])
+                tip[part], axis[part] = self._tool(machine, t[part], motion.q)
 
-        Workers().each(finish, range(0, len(t), CHUNK))
+        motion, block = self._motion_in_pieces(t, finish)
         tools = np.zeros(0) if np.isnan(lengths).all() else lengths[self.run_at(t)]
         return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints, tools)
 

@@ -1,0 +1,78 @@
+"""What the judge finds does not depend on where the blocks begin on which it works."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, replace
+
+import numpy as np
+import pytest
+
+from tests.support import motions
+from toolpace.judge import largest, verify
+from toolpace.judge.largest import Largest, each_block
+from toolpace.judge.motion import WINDOW
+
+
+def judged(points, monkeypatch, rows):
+    """All checks of set-points of a right motion that were changed, in blocks of so many rows."""
+    monkeypatch.setattr(largest, "ROWS", rows)
+    return verify(points, motions.machine(), motions.program(), 10e-6, 1e-3)
+
+
+def same(one, other):
+    """Numbers to rounding, nan to nan, and everything else as it is."""
+    return all(
+        np.isclose(a, b, rtol=1e-12, atol=0.0, equal_nan=True) if isinstance(a, float) else a == b
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+CHANGES = {
+    "q": ("velocity", "acceleration", "jerk"),
+    "qd": ("velocity column",),
+    "qdd": ("acceleration column",),
+    "qddd": ("jerk",),
+    "tip": ("tip column",),
+    "axis": ("axis column",),
+    "block": ("block column",),
+}
+"""Checks one of which must fail where a column is changed."""
+
+
+@pytest.mark.parametrize("row", [WINDOW - 2, WINDOW - 1, WINDOW, WINDOW + 1, WINDOW + 2])
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_change_beside_the_border_of_two_blocks_is_found_as_in_one(name, row, monkeypatch):
+    points = motions.set_points()
+    assert len(points) > 2 * WINDOW
+    column = np.array(getattr(points, name))
+    column[row] += 1000 if name == "block" else 1e-3 if name in ("q", "tip", "axis") else 1e3
+    points = replace(points, **{name: column})
+    whole, parts = judged(points, monkeypatch, 1 << 30), judged(points, monkeypatch, WINDOW)
+    assert {check.what for check in parts.findings} & set(CHANGES[name])
+    assert all(same(astuple(a), astuple(b)) for a, b in zip(whole.checks, parts.checks, strict=True))
+
+
+def test_a_right_motion_is_found_right_in_any_blocks(monkeypatch):
+    points = motions.set_points()
+    whole, parts = judged(points, monkeypatch, 1 << 30), judged(points, monkeypatch, WINDOW)
+    assert whole.ok and parts.ok
+    assert all(same(astuple(a), astuple(b)) for a, b in zip(whole.checks, parts.checks, strict=True))
+
+
+def test_the_first_of_the_largest_rows_is_named(monkeypatch):
+    monkeypatch.setattr(largest, "ROWS", 10)
+    columns = np.zeros((2, 35))
+    columns[0, [7, 19, 34]] = columns[1, [30, 34]] = 3.0
+    found = Largest.of_all(each_block(lambda begin, end: Largest.of(columns[:, begin:end], begin), 35))
+    assert found.value.tolist() == [3.0, 3.0] and found.row.tolist() == [7, 30]
+
+
+def test_an_error_in_a_block_is_raised(monkeypatch):
+    monkeypatch.setattr(largest, "ROWS", 10)
+
+    def work(begin, end):
+        if begin == 20:
+            raise ValueError("row 20")
+
+    with pytest.raises(ValueError, match="row 20"):
+        each_block(work, 35)
