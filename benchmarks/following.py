@@ -19,7 +19,7 @@ from testbed.followed.holds import PLACES, hold_times
 from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
 from toolpace.common.arrays import Floats
 from toolpace.deflection.following import Follower
-from toolpace.deflection.following.figures import Figures
+from toolpace.deflection.following.settings import Figures
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.path import Path

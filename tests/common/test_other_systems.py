@@ -77,7 +77,7 @@ def test_a_batch_runs_on_two_workers(tmp_path):
 def test_what_the_system_does_not_tell_has_a_value():
     code = HIDE + (
         "from toolpace.common.cluster.pool import keep_memory\n"
-        "from toolpace.common.files.room import free_memory\n"
+        "from toolpace.common.files.free_space import free_memory\n"
         "from toolpace.kernels.ahead_of_time import cores\n"
         "from toolpace.kernels.lock import FileLock\n"
         "from pathlib import Path\n"

@@ -13,7 +13,7 @@ import toolpace as tp
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.path_and_pace.interior_point import EASED, Work, eased, fix, reach
-from toolpace.planning.path_and_pace.local_refit import known_run, standing_still, windows
+from toolpace.planning.path_and_pace.local_refit import fitted_run, standing_still, windows
 from toolpace.planning.path_and_pace.segment import JERK, SLOT, THOROUGH, Stretch, slots_of
 from toolpace.planning.path_and_pace.simultaneous import kept_to_the_promise
 from toolpace.planning.program_plan import plan_program
@@ -88,7 +88,7 @@ def test_slopes_are_those_of_what_is_used(normal, blade, machine):
     """Against differences, about a change of path and pace."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
+    known = fitted_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 48, np.zeros(0))
     r = np.random.default_rng(2)
     x = 0.01 * r.standard_normal((slots_of(known.breaks), SLOT))
@@ -101,7 +101,7 @@ def test_the_newton_matrix_is_that_of_the_slopes(normal, blade, machine):
     """Unknown by unknown: weights times slopes squared, curvature of the time, and balls."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
+    known = fitted_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     stretch = Stretch(known, 40, 46, np.zeros(0))
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     free[40:51] = True
@@ -132,7 +132,7 @@ def test_the_method_comes_to_its_end_within_few_steps(normal, blade, machine):
     """In the middle of a run, between ends that stay: what is at its limits there holds nothing up."""
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
+    known = fitted_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     free = np.zeros(slots_of(known.breaks), dtype=bool)
     middle = len(free) // 2
     free[middle - 60 : middle + 60] = True
@@ -158,7 +158,7 @@ def test_a_step_goes_until_the_first_value_is_zero():
 def test_without_a_change_a_stretch_uses_what_its_motion_does(normal, blade, machine):
     (line,) = polylines(blade, PlaceTolerances.of(blade, TIP, AXIS), machine)
     run, joints, law = normal.path.runs[0], normal.trajectory.axis_path.runs[0], normal.trajectory.laws[0]
-    known = known_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
+    known = fitted_run(run, joints, law, line, blade.rapid[line.entry], SCALE, 0.125, THOROUGH)
     assert np.diff(known.times).max() <= 0.01 * (1.0 + 1e-9) and np.isin(run.breaks, known.breaks).all()
     stretch = Stretch(known, 10, 60, np.zeros(0))
     used = stretch.at(np.zeros((slots_of(known.breaks), SLOT))).used

@@ -408,7 +408,7 @@ def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine
     path = tp.Path.fit(program, TIP, AXIS, machine)
     motion = tp.plan(path, machine, planner=CheapEvaluation())
     assert motion.duration < 2.0 * program.least_duration
-    monkeypatch.setattr(local_refit, "known_run", None)
+    monkeypatch.setattr(local_refit, "fitted_run", None)
     monkeypatch.setattr(local_refit, "MOST", 10_000)
     tolerances = PlaceTolerances.of(program, TIP, AXIS)
     assert local_refit.refitted(program, machine, path, motion, tolerances, 0.1, QUICK).runs == path.runs

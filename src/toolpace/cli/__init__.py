@@ -21,13 +21,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Errors are one line on standard error. Where toolpace itself is at fault, TOOLPACE_DEBUG=1 shows where.
     """
-    from toolpace.cli.process import ended_by, guarded, heard, in_words
+    from toolpace.cli.process import ended_by, ending_signals, guarded, in_words
     from toolpace.common.errors import UnitWarning
 
     words = sys.argv[1:] if arguments is None else arguments
     # A hyphen alone would be taken for an option without a name.
     tokens = ["/dev/stdin" if token == "-" else token for token in words]
-    with guarded() as output, heard(), warnings.catch_warnings():
+    with guarded() as output, ending_signals(), warnings.catch_warnings():
         if not sys.warnoptions:
             # What overflows in a damaged file is found wanting in one line; warnings would stand beside it.
             warnings.simplefilter("ignore", RuntimeWarning)

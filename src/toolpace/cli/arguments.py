@@ -161,7 +161,7 @@ def form_of_set_points(text: str) -> str:
     return form_named("--npz", text)
 
 
-def time_given(option: str, text: str) -> float:
+def time_option(option: str, text: str) -> float:
     """A time [s], named by its option where it is wrong."""
     return _parsed(option, units.parse_time, text)
 
@@ -179,7 +179,7 @@ def time_to_prove(text: str, planner: str) -> float:
     return units.parse_time(text)
 
 
-def feed_asked(feed: str | None) -> str | None:
+def feed_option(feed: str | None) -> str | None:
     """The text of --feed, found to be one."""
     if feed is not None:
         from toolpace.programs.reading.feeds import FeedChange

@@ -90,8 +90,8 @@ class Steps(TimedSteps):
             yield step
         took = time.perf_counter() - began
         self.seconds[name] = self.seconds.get(name, 0.0) + took
-        said = f"  {step.note}" if step.note else ""
-        self.console.print(f"{name:<{WIDTH}} {format_time(took):>10}{said}", soft_wrap=True)
+        note = f"  {step.note}" if step.note else ""
+        self.console.print(f"{name:<{WIDTH}} {format_time(took):>10}{note}", soft_wrap=True)
 
 
 def short_names(programs: Sequence[str]) -> list[str]:

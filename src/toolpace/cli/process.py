@@ -1,4 +1,4 @@
-"""Standard output that may be closed early, and clean ends after Ctrl-C and other signals."""
+"""The process of a command: standard output that may be closed early, clean ends after Ctrl-C and signals."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Ended(KeyboardInterrupt):
 
 
 @contextmanager
-def heard() -> Iterator[None]:
+def ending_signals() -> Iterator[None]:
     """Let the block meet signals that end a process as exceptions; what was written before is forgotten."""
     finished.clear()
     before = {}

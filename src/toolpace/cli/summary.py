@@ -186,7 +186,7 @@ def _within(value: float, tolerance: float | None, scale: float, show: Callable[
 
 def verdict(record: PlanRecord, verification: Verification) -> Text:
     """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
-    within = f"within {printable(asked_for(record))}"
+    within = f"within {printable(reading_in_words(record))}"
     wide = wider_than_default(record)
     warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
     if verification.ok:
@@ -198,7 +198,7 @@ def verdict(record: PlanRecord, verification: Verification) -> Text:
     return Text.assemble(("FAILED", "bold red"), f"  {printable(str(found[0]))}{more}; judged {within}", warning)
 
 
-def asked_for(record: PlanRecord) -> str:
+def reading_in_words(record: PlanRecord) -> str:
     """Tolerances, feeds and dialect that a plan was made with: "tip 0.01 mm, axis 0.05 deg, feeds of the program"."""
     words = []
     if record.program_file:

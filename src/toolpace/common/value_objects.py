@@ -14,13 +14,13 @@ LONGEST_NAMES = 40
 """Most characters of a list of names in it."""
 
 
-def one_line(thing: object, *parts: str) -> str:
+def one_line(value: object, *parts: str) -> str:
     """`<Class part, part, ...>`, no longer than a line; parts that are empty are left out.
 
     Names come from files and callers: what cannot be printed is shown as `?`, and never moves a terminal's cursor.
     """
     text = ", ".join(part for part in parts if part)
-    line = f"{type(thing).__name__} {text}" if text else type(thing).__name__
+    line = f"{type(value).__name__} {text}" if text else type(value).__name__
     printed = "".join(c if c.isprintable() else "?" for c in line)
     return f"<{shortened(printed, LONGEST - 2)}>"
 

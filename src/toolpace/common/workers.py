@@ -23,11 +23,11 @@ class Progress:
     """Takes word of how far some work is, from 0 to 1, and passes it on."""
 
     def __init__(self, tell: Callable[[float], None] = lambda share: None) -> None:
-        self._tell = tell
+        self._report = tell
 
     def __call__(self, share: float) -> None:
         """Say that so much of the work is done."""
-        self._tell(share)
+        self._report(share)
 
     def pulse(self) -> None:
         """Pass on what other threads have said, where it must wait for the right one."""
@@ -61,7 +61,7 @@ class CallersProgress(Progress):
 
     def __init__(self, tell: Callable[[float], None] | None) -> None:
         super().__init__(tell or (lambda share: None))
-        self._done, self._told = 0.0, -1.0
+        self._done, self._reported = 0.0, -1.0
         self._owner = threading.get_ident()
         self._lock = threading.Lock()
 
@@ -71,9 +71,9 @@ class CallersProgress(Progress):
         self.pulse()
 
     def pulse(self) -> None:
-        if threading.get_ident() == self._owner and self._done > self._told:
-            self._told = self._done
-            self._tell(self._told)
+        if threading.get_ident() == self._owner and self._done > self._reported:
+            self._reported = self._done
+            self._report(self._reported)
 
 
 class Helper:

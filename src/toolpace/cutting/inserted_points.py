@@ -1,4 +1,4 @@
-"""A tool path with points inserted where bending may change."""
+"""A tool path with points inserted where the bending of the tool may change."""
 
 from __future__ import annotations
 
@@ -113,20 +113,11 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         toolpath,
         tip=tip,
         axis=axis,
-        feed=toolpath.feed[origin],
         least_time=toolpath.least_time[origin] * part,
-        block=toolpath.block[origin],
-        stop=toolpath.stop[origin] & own,
-        dwell=np.where(own, toolpath.dwell[origin], 0.0),
         normal=no_normals(),
-        rapid=toolpath.rapid[origin],
-        operation=toolpath.operation[origin],
-        tip_tolerance=toolpath.tip_tolerance[origin],
-        axis_tolerance=toolpath.axis_tolerance[origin],
-        tool_length=toolpath.tool_length[origin],
-        bow=toolpath.bow[origin],
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
+        **toolpath.columns_at(origin, own),
     )
 
 

@@ -71,7 +71,7 @@ class _File(Tables):
     """One reading of one file."""
 
     def read(self) -> CuttingTool:
-        self.known("the file", self.raw, PARTS)
+        self.refuse_unknown_keys("the file", self.raw, PARTS)
         tool, bending, cutting, engagement = (self.part(name) for name in PARTS)
         cutter = self.cutter(tool)
         blend = self.length("[bending]", bending, "blend", cutter.diameter)
@@ -187,7 +187,7 @@ class _File(Tables):
             place = f"[engagement.operations.{name[:40]}]"
             if not isinstance(table, dict):
                 self.fail(place, f"= {table!r:.40} is not a table; write it under that heading")
-            self.known(place, table, KEYS["engagement"][:-1])
+            self.refuse_unknown_keys(place, table, KEYS["engagement"][:-1])
             engaged = self.engaged(place, {**engagement, **table}, cutter, tool)
             found[name] = None if engaged is None else self.cut(cutting, cutter, engaged)
         return found
@@ -196,7 +196,7 @@ class _File(Tables):
         found = self.raw.get(name)
         if not isinstance(found, dict):
             self.fail(f"[{name}]", f"is {'missing' if found is None else 'not a table'}; write it under that heading")
-        self.known(f"[{name}]", found, KEYS[name])
+        self.refuse_unknown_keys(f"[{name}]", found, KEYS[name])
         return found
 
     def names(self, tool: Table) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The tip and the joints at a deflection, from what was measured: a position or a vector, and a tool axis.
+"""The tip and the joints at a deflection, from a measured position or vector and tool axis.
 
 Position and vector are both three numbers in metres, and either may be given for the other by mistake. So each has its
 own name, and what is further from the motion than a deflection can be is refused.

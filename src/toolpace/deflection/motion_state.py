@@ -1,4 +1,4 @@
-"""The state of a motion at an instant, on the path, on a detour or compensated; and what remains of it from there.
+"""The state of a motion at an instant, on the path, on a detour or compensated; and the remaining motion.
 
 However often a motion was replanned, what it goes back to is the one that was planned first: a detour from a detour
 asks no detour before it.

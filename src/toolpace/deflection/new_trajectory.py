@@ -33,7 +33,7 @@ from toolpace.deflection.rejoin.guaranteed import NOT_BEGUN, Standby
 from toolpace.deflection.rejoin.joint_splines import Problem
 from toolpace.deflection.rejoin.search import rejoin_of
 from toolpace.deflection.rejoin_motion import CommandedMotion
-from toolpace.deflection.skipped import skipped_by, skipped_in_words
+from toolpace.deflection.skipped_stretches import skipped_by, skipped_in_words
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory

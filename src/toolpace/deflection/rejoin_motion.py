@@ -60,6 +60,11 @@ class RejoinMotion(ABC):
         return self.commanded.place(self.clock(t))
 
 
+def with_constant_jerk(q: Floats, v: Floats, a: Floats, jerk: Floats, x: Floats | float) -> Floats:
+    """(4, ..., m) positions and derivatives a time x [s] after position q, velocity v and acceleration a (..., m)."""
+    return np.stack([q + x * (v + x * (a / 2.0 + x * jerk / 6.0)), v + x * (a + x * jerk / 2.0), a + x * jerk, jerk])
+
+
 @dataclass(frozen=True, eq=False)
 class Detour(RejoinMotion):
     """Joint motion with constant jerk in each step."""
@@ -83,7 +88,7 @@ class Detour(RejoinMotion):
         x = (t - self.times[k])[:, None]
         q, v, a = self.knots[:, k]
         j = self.jerks[k]
-        return np.stack([q + x * (v + x * (a / 2.0 + x * j / 6.0)), v + x * (a + x * j / 2.0), a + x * j, j])
+        return with_constant_jerk(q, v, a, j, x)
 
 
 @dataclass(frozen=True)

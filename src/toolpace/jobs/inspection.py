@@ -1,4 +1,4 @@
-"""What `inspect` finds beyond reading: whether a machine can follow a program within its travels; all of it as JSON.
+"""The inspection of a program on machines: which can follow it within their travels; and its JSON.
 
 A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
 millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what

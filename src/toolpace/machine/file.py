@@ -13,7 +13,8 @@ import msgspec
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
-from toolpace.machine.figures import (
+from toolpace.machine.limits import KINDS
+from toolpace.machine.plausibility import (
     LONGEST_NOTE,
     ask_about,
     check_chain,
@@ -22,7 +23,6 @@ from toolpace.machine.figures import (
     check_place,
     check_text,
 )
-from toolpace.machine.limits import KINDS
 
 Vector = tuple[float, float, float]
 Table = TypeVar("Table", bound=msgspec.Struct)

@@ -1,4 +1,4 @@
-"""The kinematic geometry of a machine as plain arrays, from its file; errors in its chain, with the likeliest cause."""
+"""The kinematic geometry of a machine as plain arrays, from its file; and the diagnosis of errors in its chain."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import MachineError, did_you_mean
-from toolpace.machine.figures import check_chain
 from toolpace.machine.file import MachineFile
+from toolpace.machine.plausibility import check_chain
 from toolpace.machine.text import listed
 
 PARALLEL = 1e-6

@@ -16,12 +16,12 @@ from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
-from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_between, turn_between
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.plausibility import ask_about, check_chain, is_usual
 from toolpace.machine.tables import rows, title
 from toolpace.machine.text import machine_text
 from toolpace.machine.unreachable import check_travel
@@ -258,10 +258,10 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def check_machine(machine: object, asks: str, wanted: str = "a Machine") -> None:
-    """Raise UsageError where something else is given in place of a machine; `asks` is who asks for it."""
+def check_machine(machine: object, caller: str, wanted: str = "a Machine") -> None:
+    """Raise UsageError where something else is given in place of a machine; `caller` names who asks for it."""
     if isinstance(machine, Machine):
         return
     if isinstance(machine, str):
-        raise UsageError(f"{asks}: '{machine}' is the name of a machine; give Machine.load('{machine}')")
-    raise UsageError(f"{asks}: {type(machine).__name__} in place of a machine; give {wanted}")
+        raise UsageError(f"{caller}: '{machine}' is the name of a machine; give Machine.load('{machine}')")
+    raise UsageError(f"{caller}: {type(machine).__name__} in place of a machine; give {wanted}")

@@ -1,1 +1,1 @@
-"""Smooth curves of tool tip and tool axis: fitted to a program, or given exactly."""
+"""Smooth curves of tool tip and tool axis, fitted to a program or exact; and the paths of joints."""

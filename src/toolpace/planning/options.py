@@ -27,13 +27,13 @@ class Options:
     __match_args__: ClassVar[tuple[str, ...]] = ()
     __signature__: ClassVar[OptionsSignature] = OptionsSignature()
 
-    def __new__(cls, *given: object, **options: object) -> Self:
-        known = cls.__match_args__
+    def __new__(cls, *values: object, **options: object) -> Self:
+        names = cls.__match_args__
         for name in options:
-            if name not in known:
-                raise UsageError(f"{cls.__name__}: no option '{name}'; {did_you_mean(name, known)}")
-        if len(given) > len(known) or any(name in options for name in known[: len(given)]):
-            raise UsageError(f"{cls.__name__}: more options than there are; give them by name: {', '.join(known)}")
+            if name not in names:
+                raise UsageError(f"{cls.__name__}: no option '{name}'; {did_you_mean(name, names)}")
+        if len(values) > len(names) or any(name in options for name in names[: len(values)]):
+            raise UsageError(f"{cls.__name__}: more options than there are; give them by name: {', '.join(names)}")
         return super().__new__(cls)
 
 

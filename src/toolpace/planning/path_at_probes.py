@@ -1,4 +1,4 @@
-"""A path at the nodes and probes of mesh cells, from as few evaluations as determine it, each made once."""
+"""A path at the nodes and probes of mesh cells, from the fewest evaluations that determine it."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class PathAtProbes:
     cell, and where that does not do either, the path is asked at each probe.
     """
 
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: CachedPath | None = None) -> None:
+    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, cache: CachedPath | None = None) -> None:
         """Take the nodes (n,), and what is known of the path already."""
-        self.run, self.limits, self.nodes, self.known = run, limits, nodes, known or run
+        self.run, self.limits, self.nodes, self.cache = run, limits, nodes, cache or run
         self.unlike = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) cells in which the path, or its cap, does more than what is known at few places says, as far as
         seen."""
@@ -45,7 +45,7 @@ class PathAtProbes:
         self._torn = np.zeros(len(nodes) - 1, dtype=np.bool_)
         self._torn[np.searchsorted(nodes, breaks) - 1] = True
 
-    def told(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+    def interpolated(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
         """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending."""
         begin, end = self.nodes[which], self.nodes[which + 1]
         low, middle, high = self._ends_and_middles(which)
@@ -59,12 +59,12 @@ class PathAtProbes:
         out[halved[alike]], unlike[halved[alike]] = of_halves[alike], False
         self.hiding[which] = unlike | torn
         caps, vague = self._caps(begin, end, low[1], middle[1], high[1], inside)
-        self.unlike[which] = asked = unlike | torn | vague
-        if asked.any():
-            out[asked], caps[asked] = self.asked(which[asked], inside)
+        self.unlike[which] = evaluated = unlike | torn | vague
+        if evaluated.any():
+            out[evaluated], caps[evaluated] = self.evaluated(which[evaluated], inside)
         return out, caps
 
-    def asked(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
+    def evaluated(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
         """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` (k,) of some cells, asked at each."""
         s = probes(self.nodes[which], self.nodes[which + 1], inside)
         q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
@@ -82,7 +82,7 @@ class PathAtProbes:
         broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
         middles = nodes[first] + (nodes[last] - nodes[first]) / 2.0
         s = np.concatenate([nodes, middles, np.nextafter(nodes[broken], -np.inf)])
-        q, cap = self.known.with_cap(np.clip(s, self.run.s0, self.run.s1))
+        q, cap = self.cache.with_cap(np.clip(s, self.run.s0, self.run.s1))
         high, cap_high = q[:, :count].copy(), cap[:count].copy()
         high[:, broken], cap_high[broken] = q[:, count + cells :], cap[count + cells :]
         parts = (
@@ -118,14 +118,14 @@ class PathAtProbes:
             return np.zeros(0, dtype=np.bool_), np.empty((0, 3, low.shape[2], len(inside)))
         low, middle, high = (np.ascontiguousarray(part[:, cells]) for part in (low, middle, high))
         begin, half, z = begin[cells], length[cells] / 2.0, z[cells]
-        quarters, _ = self.known.with_cap((begin[:, None] + 2.0 * half[:, None] * QUARTERS).ravel())
+        quarters, _ = self.cache.with_cap((begin[:, None] + 2.0 * half[:, None] * QUARTERS).ravel())
         first, last = np.ascontiguousarray(quarters[:, ::2]), np.ascontiguousarray(quarters[:, 1::2])
         alike = self._alike(begin, half, low, first, middle, z)
         alike &= self._alike(begin + half, half, middle, last, high, z)
         before = inside <= 0.5
         parts = (low, middle, 2.0 * inside[before]), (middle, high, 2.0 * inside[~before] - 1.0)
-        told = [path_between(one, other, half, share) for one, other, share in parts]
-        return alike, np.concatenate(told, axis=3)
+        interpolated = [path_between(one, other, half, share) for one, other, share in parts]
+        return alike, np.concatenate(interpolated, axis=3)
 
     def _caps(
         self, begin: Floats, end: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats
@@ -144,10 +144,10 @@ class PathAtProbes:
         caps, bend = caps_between(five, inside)
         if self.run.smooth_cap:
             return caps, ~(bend <= BENT)
-        asked = at(inside).T
+        evaluated = at(inside).T
         with np.errstate(invalid="ignore"):
-            same = (np.abs(caps - asked) <= OFF * asked) | (caps == asked)
-        return asked, ~same.all(axis=1)
+            same = (np.abs(caps - evaluated) <= OFF * evaluated) | (caps == evaluated)
+        return evaluated, ~same.all(axis=1)
 
 
 def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> Floats:
@@ -172,11 +172,11 @@ def caps_between(caps: Floats, inside: Floats) -> tuple[Floats, Floats]:
     """
     square = np.square(1.0 / caps)
     order = np.vander(np.linspace(0.0, 1.0, 5), 5)
-    told = square.T @ np.linalg.solve(order.T, np.vander(inside, 5).T)
+    interpolated = square.T @ np.linalg.solve(order.T, np.vander(inside, 5).T)
     bend = np.abs(np.array([1.0, -4.0, 6.0, -4.0, 1.0]) @ square)
     least = square.min(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return 1.0 / np.sqrt(np.maximum(told, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
+        return 1.0 / np.sqrt(np.maximum(interpolated, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
 
 
 class CachedPath:
@@ -192,9 +192,9 @@ class CachedPath:
     def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""
         with self._lock:
-            known = np.append(self._place, np.nan)[np.searchsorted(self._place, s)] == s
-        if not known.all():
-            fresh = np.unique(s[~known])
+            is_cached = np.append(self._place, np.nan)[np.searchsorted(self._place, s)] == s
+        if not is_cached.all():
+            fresh = np.unique(s[~is_cached])
             self._learn(fresh, *self._run.with_cap(fresh))
         with self._lock:
             at = np.searchsorted(self._place, s)

@@ -46,14 +46,14 @@ class LimitCheck:
         run: AxisRun,
         limits: Limits,
         nodes: Floats,
-        known: CachedPath | None = None,
+        cache: CachedPath | None = None,
         before: tuple[LimitCheck, Ints] | None = None,
     ) -> None:
         """Take the nodes (n,) of the mesh, and what is known of the path already; `before`: the check of a mesh whose
         cells have been cut into so many parts (cells,) for this one: what was found in those that were not still holds.
         """
         self.run, self.limits, self.nodes = run, limits, nodes
-        self.path = PathAtProbes(run, limits, nodes, known)
+        self.path = PathAtProbes(run, limits, nodes, cache)
         hints, breaks = (
             np.setdiff1d(each[(each > nodes[0]) & (each < nodes[-1])], nodes) for each in (run.hints, run.breaks)
         )
@@ -90,7 +90,7 @@ class LimitCheck:
             mine = changed[which]
             if first in self._kept:
                 return self._of(which[mine], law, *(each[mine] for each in self._kept[first]))
-            path = self.path.told(which[mine], law.inside)
+            path = self.path.interpolated(which[mine], law.inside)
             if last <= KEPT_CELLS and mine.all():
                 self._kept[first] = path
             return self._of(which[mine], law, *path)
@@ -111,7 +111,7 @@ class LimitCheck:
         limits = self.limits
         for first in range(0, len(places), CHUNK):
             s = places[first : first + CHUNK]
-            q, cap = self.path.known.with_cap(s)
+            q, cap = self.path.cache.with_cap(s)
             of_joints = limits.velocity, limits.acceleration, limits.jerk
             ratio = usage.ratios(np.ascontiguousarray(q), law.states_at(s), cap, *of_joints)
             peaks = self._with(peaks, s, by_kind(ratio, len(limits)))
@@ -135,7 +135,7 @@ class LimitCheck:
 
         def of_part(first: int) -> Peaks:
             which = cells[first : first + CHUNK]
-            return self._of(which, law, *self.path.asked(which, law.inside))
+            return self._of(which, law, *self.path.evaluated(which, law.inside))
 
         return joined((workers or Workers()).each(of_part, range(0, len(cells), CHUNK)))
 

@@ -111,9 +111,9 @@ def plan(
 
     ensure_warm()
 
-    def one(k: int, workers: Workers, told: Progress) -> PlannedRun:
+    def one(k: int, workers: Workers, part: Progress) -> PlannedRun:
         states = start if k == 0 else AT_REST, end if k == last else AT_REST
-        return chosen.plan_run(runs[k], limits, *states, workers, told)
+        return chosen.plan_run(runs[k], limits, *states, workers, part)
 
     planned = side_by_side(one, [run.s1 - run.s0 for run in runs], progress)
     lower_bound, open_places = total_bound(axis_path, planned)
@@ -130,27 +130,27 @@ def plan(
     )
 
 
-def planner_of(planner: str | Planner, options: dict[str, object], asks: str = "plan") -> Planner:
+def planner_of(planner: str | Planner, options: dict[str, object], caller: str = "plan") -> Planner:
     """The planner that is meant: an object as it is, or one made of a name and its options. Raises UsageError.
 
-    `asks` is who asks for it, for messages.
+    `caller` names who asks for it, for messages.
     """
     if isinstance(planner, Planner) and not isinstance(planner, type):
         if options:
-            given = ", ".join(f"{name}=..." for name in options)
-            raise UsageError(f"{asks}: the planner is given as an object; give its options to it: {given}")
+            options_in_words = ", ".join(f"{name}=..." for name in options)
+            raise UsageError(f"{caller}: the planner is given as an object; give its options to it: {options_in_words}")
         return planner
     if not isinstance(planner, str):
         names = ", ".join(PLANNERS)
-        raise UsageError(f"{asks}: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
+        raise UsageError(f"{caller}: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
     if planner not in HOMES:
-        raise UsageError(f"{asks}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
+        raise UsageError(f"{caller}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
     module, name_of_class = HOMES[planner]
     kind = getattr(importlib.import_module(f"toolpace.planning.{module}"), name_of_class)
-    known = [field.name for field in fields(kind)]
+    allowed = [field.name for field in fields(kind)]
     for name in options:
-        if name not in known:
-            raise UsageError(f"{asks}: the planner {planner} has no option '{name}'; {did_you_mean(name, known)}")
+        if name not in allowed:
+            raise UsageError(f"{caller}: the planner {planner} has no option '{name}'; {did_you_mean(name, allowed)}")
     made: Planner = kind(**options)
     return made
 

@@ -1,4 +1,4 @@
-"""Path and motion of a whole program, each optimised for the other.
+"""Path and motion of a whole program, from its tool path, tolerances and a machine.
 
 for some tolerances of the tool axis, up to the one asked for: a path within a narrow one is within a wider
     a path within the tolerances, as smooth as its length allows                  (low: this one is planned)
@@ -120,13 +120,13 @@ def plan_program(
     Another planner than the optimal one takes the path as "low" does. `progress` is told the share done. Raises
     UsageError for what makes no sense, PathError where no curve fits, InfeasibleError where no motion exists.
     """
-    told = Progress(progress or (lambda share: None))
+    total = Progress(progress or (lambda share: None))
     chosen = planner_of(planner, {}, "plan_program")
     effort = effort_for(effort, chosen)
     fitted = fit_program(
-        toolpath, machine, tip_tolerance, axis_tolerance, effort=effort, progress=told.part(0.0, ROUNDS_DONE)
+        toolpath, machine, tip_tolerance, axis_tolerance, effort=effort, progress=total.part(0.0, ROUNDS_DONE)
     )
-    return plan_fitted(fitted, machine, planner=chosen, progress=told.part(ROUNDS_DONE, 1.0))
+    return plan_fitted(fitted, machine, planner=chosen, progress=total.part(ROUNDS_DONE, 1.0))
 
 
 def effort_for(effort: str, planner: str | Planner) -> str:
@@ -149,35 +149,35 @@ def fit_program(
     """The path that may be passed the fastest, of those that an effort looks at. Raises as `Path.fit`."""
     check_toolpath(toolpath, "plan_program")
     check_machine(machine, "plan_program")
-    told = Progress(progress or (lambda share: None))
-    asked_for = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
+    total = Progress(progress or (lambda share: None))
+    tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
     if not MEASURES[effort]:
-        path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, told)
-        return FittedProgram((Candidate(0.0, path, asked_for),), path, effort)
-    asked = Tolerances.of(axis_tolerance, "axis_tolerance")
+        path = Path.fit(toolpath, tip_tolerance, axis_tolerance, machine, total)
+        return FittedProgram((Candidate(0.0, path, tolerances),), path, effort)
+    allowed = Tolerances.of(axis_tolerance, "axis_tolerance")
     short = len(toolpath) <= SHORT
     # what normal finds is among what high chooses from: more effort never takes longer
     ways = [True, False] if short and effort == "high" else [short]
     made = [
-        made_rounds(AlternatingOptimisation(toolpath, machine, tip_tolerance, part), asked, quick, MEASURES[effort])
-        for quick, part in zip(ways, told.split([1.0] * len(ways)))
+        made_rounds(AlternatingOptimisation(toolpath, machine, tip_tolerance, part), allowed, quick, MEASURES[effort])
+        for quick, part in zip(ways, total.split([1.0] * len(ways)))
     ]
-    told(1.0)
+    total(1.0)
     last = made[-1]
     together = None
     if effort == "high":
         from toolpace.planning.path_and_pace.simultaneous import SimultaneousOptimisation
 
-        together = SimultaneousOptimisation(toolpath, asked_for, last.ramp)
+        together = SimultaneousOptimisation(toolpath, tolerances, last.ramp)
     return FittedProgram(all_candidates(made), last.first, effort, all_rounds(made), last.candidates()[0], together)
 
 
 def made_rounds(
-    rounds: AlternatingOptimisation, asked: Tolerances, quick: bool, measures: Sequence[Measure]
+    rounds: AlternatingOptimisation, allowed: Tolerances, quick: bool, measures: Sequence[Measure]
 ) -> AlternatingOptimisation:
     """The rounds within each tolerance of the axis up to those asked for; `quick`: one within the narrowest that a path
     fits in and one within the widest, and a quick change of what these found."""
-    widest = float(asked.axis_along(rounds.toolpath).max())
+    widest = float(allowed.axis_along(rounds.toolpath).max())
     # where nothing turns, all of them give the same path
     rungs = axis_tolerances(widest) if turns(rounds.toolpath) else [widest]
     narrow: Fastest | None = None
@@ -188,7 +188,7 @@ def made_rounds(
             within.append(axis)
             continue
         narrow = rounds.best
-        rounds.within(asked.within(axis), axis)
+        rounds.within(allowed.within(axis), axis)
         rounds.begin(last=last)
         if rounds.leave_no_room():
             continue
@@ -198,18 +198,18 @@ def made_rounds(
         if rounds.best is not None and not last:
             within.append(axis)
     if quick and not rounds.leave_no_room():
-        change_once(rounds, asked, within, narrow)
+        change_once(rounds, allowed, within, narrow)
     return rounds
 
 
 def change_once(
-    rounds: AlternatingOptimisation, asked: Tolerances, within: Sequence[float], narrow: Fastest | None
+    rounds: AlternatingOptimisation, allowed: Tolerances, within: Sequence[float], narrow: Fastest | None
 ) -> None:
     """The quick change within the widest tolerance of the axis, and within those that are narrower, ascending, from the
     fastest path of these: the widest first, as long as that is no slower."""
     fastest = rounds.change(rounds.best)
     for axis in reversed(within):
-        rounds.within(asked.within(axis), axis)
+        rounds.within(allowed.within(axis), axis)
         changed = rounds.change(narrow)
         # the room of a wider one nearly always gains: where it did, there is no more within
         if changed > fastest:
@@ -219,22 +219,22 @@ def change_once(
 
 def turns(toolpath: ToolPath) -> bool:
     """Whether the tool axis or a rotary joint moves anywhere along a tool path."""
-    given = toolpath.axis if toolpath.rotary is None else np.concatenate([toolpath.axis, toolpath.rotary], axis=1)
-    return bool(np.any(given != given[0]))
+    directions = toolpath.axis if toolpath.rotary is None else np.concatenate([toolpath.axis, toolpath.rotary], axis=1)
+    return bool(np.any(directions != directions[0]))
 
 
 def all_candidates(made: Sequence[AlternatingOptimisation]) -> tuple[Candidate, ...]:
     """Those of all, the fastest first, each once: what takes as long to the last digit is the same path."""
-    known = {each.hoped: each for rounds in made for each in rounds.candidates() if each.hoped > 0.0}
-    return (*(known[each] for each in sorted(known)), *made[-1].unknown)
+    candidates_by_time = {each.hoped: each for rounds in made for each in rounds.candidates() if each.hoped > 0.0}
+    return (*(candidates_by_time[each] for each in sorted(candidates_by_time)), *made[-1].unknown)
 
 
 def all_rounds(made: Sequence[AlternatingOptimisation]) -> tuple[Round, ...]:
     """One after the other, those that begin alike once."""
-    told = list(made[0].done)
+    iterations = list(made[0].done)
     for each in (each for rounds in made[1:] for each in rounds.done if each not in made[0].done):
-        told.append(replace(each, kept=each.duration < min(before.duration for before in told)))
-    return tuple(told)
+        iterations.append(replace(each, kept=each.duration < min(before.duration for before in iterations)))
+    return tuple(iterations)
 
 
 def axis_tolerances(widest: float) -> list[float]:
@@ -260,14 +260,14 @@ def plan_fitted(
     `check` is given the joints along a path before they are planned, and raises ReachError where these will not do.
     Raises as `check` and `plan` do of the first path, where no other will do.
     """
-    told = Progress(progress or (lambda share: None))
+    total = Progress(progress or (lambda share: None))
     chosen = planner_of(planner, {})
-    changed = changed_plan(fitted, machine, check, told.part(0.0, CHANGED))
+    changed = changed_plan(fitted, machine, check, total.part(0.0, CHANGED))
     if changed is not None and changed.trajectory.duration <= fitted.candidates[0].hoped:
-        told(1.0)
+        total(1.0)
         return changed
     try:
-        found = planned_by_run(fitted, machine, chosen, check, told.part(CHANGED, 1.0) if fitted.together else told)
+        found = planned_by_run(fitted, machine, chosen, check, total.part(CHANGED, 1.0) if fitted.together else total)
     except (InfeasibleError, ReachError):
         if changed is None:
             raise

@@ -222,6 +222,24 @@ class ToolPath(ByValue):
         length: Floats = np.linalg.norm(self.way, axis=1)
         return length
 
+    def columns_at(self, origin: Ints, own: Bools) -> dict[str, Any]:
+        """The columns, beside poses and times, of a path with points put into its moves.
+
+        Each point is put before or at the point `origin` (k,) of this path, and is that point itself where `own` (k,).
+        """
+        return {
+            "feed": self.feed[origin],
+            "block": self.block[origin],
+            "stop": self.stop[origin] & own,
+            "dwell": np.where(own, self.dwell[origin], 0.0),
+            "rapid": self.rapid[origin],
+            "operation": self.operation[origin],
+            "tip_tolerance": self.tip_tolerance[origin],
+            "axis_tolerance": self.axis_tolerance[origin],
+            "tool_length": self.tool_length[origin],
+            "bow": self.bow[origin],
+        }
+
     def part(self, first: int, last: int) -> ToolPath:
         """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
         n, kept = len(self), slice(first, last + 1)

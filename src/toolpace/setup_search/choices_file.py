@@ -42,7 +42,7 @@ class _File(TablesInUnits):
 
     def read(self) -> Choices:
         choose = self.table("choose")
-        self.known("[choose]", choose, KEYS)
+        self.refuse_unknown_keys("[choose]", choose, KEYS)
         chosen: dict[str, Any] = {key: self.choice(key, value) for key, value in choose.items() if key != "solution"}
         if "solution" in choose:
             chosen["side"] = self.solution(choose["solution"])
@@ -52,7 +52,7 @@ class _File(TablesInUnits):
         """One value, a list, or a range."""
         place = f"[choose] {key}"
         if isinstance(value, dict):
-            self.known(place, value, ("from", "to"))
+            self.refuse_unknown_keys(place, value, ("from", "to"))
             if "from" not in value or "to" not in value:
                 self.fail(place, f"= {value!r:.40} is no range; write {{from = 0, to = 45}}")
             low, high = self.figure(place, key, value["from"]), self.figure(place, key, value["to"])

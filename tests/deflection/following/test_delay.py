@@ -9,7 +9,7 @@ import toolpace as tp
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import UsageError
 from toolpace.deflection.following import Follower, Measurement, Status
-from toolpace.deflection.following.figures import Figures
+from toolpace.deflection.following.settings import Figures
 
 DRIVES, SENSOR = 6, 4
 """Set-points by which the machine is behind, and by which a measurement comes late."""

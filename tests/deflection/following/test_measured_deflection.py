@@ -8,7 +8,7 @@ import pytest
 import toolpace as tp
 from toolpace.common.errors import UsageError
 from toolpace.deflection.following import Follower, Measurement, Status
-from toolpace.deflection.following.figures import CAUSES
+from toolpace.deflection.following.settings import CAUSES
 
 DELAY = 6e-3
 PROGRAM = "G21 G90 G17 G94\nG0 X10 Y-5 Z12 A0 C0\nG1 Z11 F900\nX13 Y-3 A2 C3 F500\nM2\n"

@@ -9,7 +9,7 @@ from testbed.followed.cases import case
 from testbed.followed.plant import Plant, below, critical, followed, grows, largest_root
 from toolpace.common.arrays import Floats
 from toolpace.deflection.following import Follower
-from toolpace.deflection.following.figures import Figures
+from toolpace.deflection.following.settings import Figures
 
 PERIOD, TURN = 1e-3, 10
 

@@ -8,7 +8,7 @@ import pytest
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.common.workers import UNTOLD, Workers
-from toolpace.path.fit import first_spline, smooth
+from toolpace.path.fit import first_spline, smoothest_spline
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.first_spline import inside_spline
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
@@ -64,7 +64,7 @@ def conic_optimum(breaks, data):
         for c in range(3):
             ball[1 + c, c * n : (c + 1) * n] = -rows[j]
         blocks.append(sparse.csr_matrix(ball))
-        right.append(np.concatenate([[smooth.USED], -data.tip[j]]))
+        right.append(np.concatenate([[smoothest_spline.USED], -data.tip[j]]))
         cones.append(clarabel.SecondOrderConeT(4))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -86,7 +86,7 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
     spline, data = inside_spline(line, first_spline.first_breaks(line), weight, AXIS, None, look, Workers())
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
-    smooth.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)
+    smoothest_spline.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)
     place, share = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(breaks)
     s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * place).ravel()

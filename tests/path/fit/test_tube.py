@@ -226,7 +226,7 @@ def test_what_is_known_of_a_sample_is_not_worked_out_again(monkeypatch):
     toolpath = spiral(60)
     (line,) = polylines(toolpath, PlaceTolerances.of(toolpath, TIP, AXIS), None)
     breaks = first_breaks(line)
-    known, finer = sampling.sample(line, breaks, AXIS, None), np.union1d(breaks, breaks[:-1] + 0.3 * np.diff(breaks))
+    previous, finer = sampling.sample(line, breaks, AXIS, None), np.union1d(breaks, breaks[:-1] + 0.3 * np.diff(breaks))
     fresh = sampling.sample(line, finer, AXIS, None)
     true, asked = sampling.turn_metric, []
 
@@ -235,8 +235,8 @@ def test_what_is_known_of_a_sample_is_not_worked_out_again(monkeypatch):
         return true(turn, *others)
 
     monkeypatch.setattr(sampling, "turn_metric", turn_metric)
-    again = sampling.sample(line, finer, AXIS, None, known=known)
-    assert asked == [len(np.setdiff1d(again.s, known.s))] and 0 < asked[0] < len(again.s)
+    again = sampling.sample(line, finer, AXIS, None, previous=previous)
+    assert asked == [len(np.setdiff1d(again.s, previous.s))] and 0 < asked[0] < len(again.s)
     assert np.array_equal(again.s, fresh.s) and np.array_equal(again.metric, fresh.metric)
 
 

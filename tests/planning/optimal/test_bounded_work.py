@@ -70,16 +70,16 @@ def test_cells_that_are_not_cut_are_not_checked_again(monkeypatch):
     finer = cut_cells(law.nodes, parts)
     same = SplineLaw(finer, on_finer_mesh(law, finer)[0], law.rest)
     same.inside = law.inside  # a finer mesh has fewer probes a cell
-    asked, told = [], PathAtProbes.told
+    cells, interpolated = [], PathAtProbes.interpolated
 
     def counted(path, which, inside):
-        asked.extend(which)
-        return told(path, which, inside)
+        cells.extend(which)
+        return interpolated(path, which, inside)
 
-    monkeypatch.setattr(PathAtProbes, "told", counted)
+    monkeypatch.setattr(PathAtProbes, "interpolated", counted)
     later = LimitCheck(run, limits, finer, before=(check, parts))
     found = later.peaks(same)
-    assert 8 <= len(asked) < 40
+    assert 8 <= len(cells) < 40
     fresh = LimitCheck(run, limits, finer)
     expected = fresh.peaks(same)
     np.testing.assert_array_equal(found.used, expected.used)

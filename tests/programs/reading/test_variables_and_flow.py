@@ -14,7 +14,7 @@ from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.gcode.program.expressions import Grammar, Parser, value_of
 from toolpace.programs.reading.gcode.program.variables import Variables
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
 
 START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z0\n"
 
@@ -108,7 +108,7 @@ def test_precedence_is_that_of_python_for_sums_and_products(parts):
     "text", ["1/0", "SQRT[-1]", "ASIN[2]", "LN[0]", "[1", "SIN 3", "FOO[1]", "1+", "#<a", "[" * 99]
 )
 def test_expressions_that_cannot_be(text):
-    with pytest.raises(WordError):
+    with pytest.raises(BlockError):
         value(text)
 
 

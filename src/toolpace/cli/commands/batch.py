@@ -121,7 +121,7 @@ class BatchRequest:
         ]
         planners = [arguments.planner_named(name) for name in each.planner or ["optimal"]]
         efforts = [arguments.effort_named(name) for name in each.effort or ["normal"]]
-        feeds: list[str | None] = [arguments.feed_asked(feed) for feed in each.feed] if each.feed else [None]
+        feeds: list[str | None] = [arguments.feed_option(feed) for feed in each.feed] if each.feed else [None]
         on: list[str | None] = [*self.machines] or [None]
         if not self.machines and self.what != "inspect":
             arguments.machine_named(None)

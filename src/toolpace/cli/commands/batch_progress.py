@@ -1,4 +1,4 @@
-"""The display of a batch: how far it is, and what came of its jobs."""
+"""The display of a batch while it runs: its progress, and the outcome of each job."""
 
 from __future__ import annotations
 

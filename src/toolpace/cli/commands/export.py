@@ -1,4 +1,4 @@
-"""The command `export`: its options as people type them, and what was written."""
+"""The command `export`: its options in SI units, and the list of written files."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class TargetOptions:
         str | None, Parameter(help="program: divide straight blocks that take longer into pieces of about this time.")
     ] = None
 
-    def given(self) -> dict[str, Any]:
+    def target_options(self) -> dict[str, Any]:
         """Those that were given, in SI and as the targets have them. Raises UsageError."""
         from toolpace.cli import arguments
 
@@ -87,11 +87,11 @@ class TargetOptions:
             if value is None or value is False:
                 continue
             if each.name in _TIMES:
-                value = arguments.time_given(f"--{each.name.replace('_', '-')}", value)
+                value = arguments.time_option(f"--{each.name.replace('_', '-')}", value)
             elif each.name == "columns":
                 value = tuple(part.strip() for part in value.split(","))
             elif each.name == "counts":
-                value = counts_given(value)
+                value = increments_by_column(value)
             found[each.name] = value
         return found
 
@@ -100,7 +100,7 @@ AS_USUAL = TargetOptions()
 """Nothing was given."""
 
 
-def counts_given(text: str) -> dict[str, str]:
+def increments_by_column(text: str) -> dict[str, str]:
     """X=10000/mm,A=1000/deg as joints and figures. Raises UsageError."""
     found: dict[str, str] = {}
     for part in text.split(","):
@@ -136,7 +136,7 @@ def export_command(
     from toolpace.jobs import job
 
     console = new_console()
-    writer = target_of(to, target.given())
+    writer = target_of(to, target.target_options())
     place = arguments.folder_for_results(export_folder(directory, to) if out is None else out)
     steps = Steps(console)
     if to == "program":

@@ -51,7 +51,7 @@ def follow_command(
     from toolpace.controls.hal_component import Component, Settings
     from toolpace.deflection.following import Follower
 
-    ahead = arguments.time_given("--backlog", backlog)
+    ahead = arguments.time_option("--backlog", backlog)
     if not 0 <= streamer < STREAMERS:
         raise UsageError(f"--streamer {streamer}: give 0 to {STREAMERS - 1}")
     follower = Follower.load(law)

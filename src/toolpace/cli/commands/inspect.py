@@ -42,7 +42,7 @@ def run_inspect(
     """Inspect each program and print what was found; 0 where nothing is refused, else 2."""
     from toolpace.cli import arguments
 
-    arguments.feed_asked(feed)
+    arguments.feed_option(feed)
     sheet = arguments.file_for_result("--write-setup", write_setup)
     machines = _machines(machine, reading)
     options = reading.options(machines[0] if machine is not None else None)

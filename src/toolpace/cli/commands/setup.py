@@ -1,4 +1,4 @@
-"""The command `setup`: its options, the search for a set-up, and what was found."""
+"""The command `setup`: its options, the search for a set-up, and the table of results."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def setup_command(
             mapped=0 if search.no_map else MAPPED,
             client=where.client(),
             out=arguments.folder_for_results(arguments.default_folder(program, "setup") if out is None else out),
-            feed=arguments.feed_asked(feed),
+            feed=arguments.feed_option(feed),
             dialect=dialect,
             options=how,
         )
@@ -241,6 +241,8 @@ def searched(request: SearchRequest, toolpath: ToolPath, machine: Machine, name:
 def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str, FoundSetUp | str]]) -> None:
     """The machines where there are several, the best set-ups of the fastest, and what limits before and after."""
     if len(machines) > 1:
+        from toolpace.results.report.set_up_page import time_on
+
         table = Table("machine", "time", "given", "gain", "set-up", box=SIMPLE)
         for name, each in sorted(machines, key=time_on):
             if isinstance(each, str):
@@ -274,11 +276,6 @@ def show_found(console: Console, found: FoundSetUp, machines: Sequence[tuple[str
         console.print("after        no clamping that was tried is faster: leave the part as it is")
     else:
         console.print(f"after        {time_and_limits(found.best[0])}", soft_wrap=True)
-
-
-def time_on(machine: tuple[str, FoundSetUp | str]) -> float:
-    """How long the program takes on a machine with its best set-up [s]; inf where none fits."""
-    return math.inf if isinstance(machine[1], str) else machine[1].best[0].duration
 
 
 def time_and_limits(each: PlannedSetUp) -> str:

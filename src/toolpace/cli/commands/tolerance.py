@@ -66,7 +66,7 @@ def tolerance_command(
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     task = job.Job(
         program=Path(program), machine=on, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
-        effort=arguments.effort_named(effort), feed=arguments.feed_asked(feed), dialect=dialect, options=how,
+        effort=arguments.effort_named(effort), feed=arguments.feed_option(feed), dialect=dialect, options=how,
     )  # fmt: skip
     picture = arguments.file_for_result("--out", out)
     return run_tolerance(task, within, picture, Steps(new_console()))

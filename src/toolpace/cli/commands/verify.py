@@ -58,9 +58,9 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     tip = tip if record.tip_tolerances is None else told_tolerances(record.tip_tolerances, tip=True)
     axis = axis if record.axis_tolerances is None else told_tolerances(record.axis_tolerances, tip=False)
     with steps.step("verifying"):
-        said = msgspec.to_builtins(record)
+        figures = msgspec.to_builtins(record)
         record = msgspec.structs.replace(record, reading=write.reading_record(options))
-        found = verify_plan(setpoints, machine, toolpath, said, tip, axis, tool, setup_text(options.setup))
+        found = verify_plan(setpoints, machine, toolpath, figures, tip, axis, tool, setup_text(options.setup))
         table = folder / write.TABLE
         found = with_table(found, table, setpoints, machine) if table.exists() else found
         try:

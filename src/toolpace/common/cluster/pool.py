@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 from toolpace.common import __version__
 from toolpace.common.errors import ToolpaceError, printable
-from toolpace.common.files.room import free_memory
+from toolpace.common.files.free_space import free_memory
 from toolpace.common.workers import interrupted
 
 C = TypeVar("C")

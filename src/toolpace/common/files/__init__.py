@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from toolpace.common.files.atomic import file_to_write, reason, whole_file, write_text
 from toolpace.common.files.folder import finished, folder_to_write, is_folder, whole_folder
-from toolpace.common.files.room import free_disk, free_memory
+from toolpace.common.files.free_space import free_disk, free_memory
 from toolpace.common.files.seal import KEY as SEAL
 from toolpace.common.files.seal import changed, sealed_files
 

@@ -79,7 +79,7 @@ class Tables:
         """Raise UsageError: what is wrong at a place, and how to cure it."""
         raise UsageError(f"{self.source}: {place} {what}"[: self.longest])
 
-    def known(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
+    def refuse_unknown_keys(self, place: str, table: Mapping[str, object], names: tuple[str, ...]) -> None:
         """Refuse keys that mean nothing there."""
         for key in table:
             if key not in names:

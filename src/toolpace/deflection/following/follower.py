@@ -11,9 +11,9 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.value_objects import one_line
-from toolpace.deflection.following.figures import Figures, number
 from toolpace.deflection.following.law import law_of, read_law, write_law
 from toolpace.deflection.following.samples import FollowedJoints, followed_joints_of, samples_of
+from toolpace.deflection.following.settings import Figures, number
 from toolpace.deflection.following.signals import Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.machine.limits import Limits
@@ -100,7 +100,7 @@ class Follower:
         """Time between two set-points [s]."""
         self._used = int(piece[layout.USED])
         self._has_machine = bool(piece[layout.FRAME : layout.GROUP].any())
-        self._given, self._out = np.full(layout.INPUTS, np.nan), np.empty(layout.OUTPUTS)
+        self._input, self._out = np.full(layout.INPUTS, np.nan), np.empty(layout.OUTPUTS)
         self.reset()
 
     def __repr__(self) -> str:
@@ -143,9 +143,9 @@ class Follower:
         override = number(feed)
         if override is None:
             raise UsageError(f"step: feed is {feed!r:.60}; give a share from 0 to 1.2")
-        measurement.write(self._given, float(self.state[layout.NOW]), float(self.piece[layout.DEAD_TIME]))
-        self._given[layout.OVERRIDE] = override
-        step(self.piece, self.state, self._given, self._out)
+        measurement.write(self._input, float(self.state[layout.NOW]), float(self.piece[layout.DEAD_TIME]))
+        self._input[layout.OVERRIDE] = override
+        step(self.piece, self.state, self._input, self._out)
         out = self._out
         q, qd, qdd, qddd = out[layout.Q : layout.OUT_CORRECTION].reshape(4, -1)[:, : self._used].copy()
         return SetPoint(

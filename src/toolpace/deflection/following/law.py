@@ -13,8 +13,8 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.common.units import MILLIMETRE
-from toolpace.deflection.following.figures import Figures
 from toolpace.deflection.following.samples import FollowedJoints, Samples
+from toolpace.deflection.following.settings import Figures
 from toolpace.kernels.follow import layout
 from toolpace.machine.machine import Machine
 

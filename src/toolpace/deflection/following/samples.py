@@ -57,7 +57,7 @@ def samples_of(trajectory: Trajectory, driven: FollowedJoints, period: float, pa
 
     Where it is known at set-points, these are the samples: in between it has been made up.
     """
-    step = known_step(trajectory, period) / pace or period / SAMPLES_A_PERIOD
+    step = recorded_step(trajectory, period) / pace or period / SAMPLES_A_PERIOD
     count = int(np.ceil(trajectory.duration / pace / step)) + 1 + AT_REST
     q, s = np.empty((count, len(trajectory.joints))), np.empty(count)
     feed, offsets = np.full(count, np.inf), offsets_of(trajectory.axis_path.runs)
@@ -85,7 +85,7 @@ def tools_of(trajectory: Trajectory, machine: Machine, pace: float) -> Floats:
     return np.column_stack([np.where(changed == 0, 0.0, trajectory.starts[changed] / pace), longer[changed]])
 
 
-def known_step(trajectory: Trajectory, period: float) -> float:
+def recorded_step(trajectory: Trajectory, period: float) -> float:
     """Time between the set-points that a trajectory was read from [s]; 0 where it is known everywhere.
 
     Raises UsageError where it is longer than a `period` [s]: the spline through them would begin too fast.

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.deflection.following.figures import number, numbers
+from toolpace.deflection.following.settings import number, numbers
 from toolpace.kernels.follow import layout
 from toolpace.kernels.follow.layout import AXIS, DEFLECTION, FORCE, MEASURED_AT, TIP
 

@@ -63,9 +63,9 @@ def force(target: npt.ArrayLike, deflection: npt.ArrayLike, *, alpha: float = 1.
     return pull
 
 
-def _apart(target: npt.ArrayLike, deflection: npt.ArrayLike, asks: str) -> Floats:
+def _apart(target: npt.ArrayLike, deflection: npt.ArrayLike, caller: str) -> Floats:
     """(3,) the way from a deflection to a target."""
-    return numbers(target, f"{asks}: target", (3,)) - numbers(deflection, f"{asks}: deflection", (3,))
+    return numbers(target, f"{caller}: target", (3,)) - numbers(deflection, f"{caller}: deflection", (3,))
 
 
 def descend(

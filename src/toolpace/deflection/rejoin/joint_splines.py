@@ -1,4 +1,4 @@
-"""Joint splines from the measured state to the motion that is rejoined, in a given time, on steps short at its start.
+"""Joint splines of given duration, from the measured state to the motion that is rejoined.
 
 late      by how much the rest of the motion comes later: the time taken, less what the commanded law takes
 lead      where the end's motion is known exactly; from there its state goes on in a straight line with `late`
@@ -15,7 +15,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.deflection.feed import fastest_braking, feed_at, tip_rates
-from toolpace.deflection.rejoin_motion import CommandedMotion, Detour
+from toolpace.deflection.rejoin_motion import CommandedMotion, Detour, with_constant_jerk
 from toolpace.kernels.planners.interior_point import least
 from toolpace.kernels.planners.joint_splines import Rows, most_used
 from toolpace.machine.limits import KINDS, Limits
@@ -65,7 +65,7 @@ class Problem:
         k -= int(t - times[k - 1] < times[k] - t)
         q, v, a, j = motions[:, k]
         x = t - times[k]
-        return np.stack([q + x * (v + x * (a / 2.0 + x * j / 6.0)), v + x * (a + x * j / 2.0), a + x * j, j])
+        return with_constant_jerk(q, v, a, j, x)
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:

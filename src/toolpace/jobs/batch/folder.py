@@ -76,9 +76,9 @@ def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:
     """Write the tables of a batch, each whole or not at all; return their names, the page last."""
 
     written = [TABLE]
-    said = {"toolpace_version": __version__, "jobs": rows}
+    figures = {"toolpace_version": __version__, "jobs": rows}
     with whole_file(folder / TABLE) as temporary:
-        temporary.write_bytes(msgspec.json.format(msgspec.json.encode(said), indent=1) + b"\n")
+        temporary.write_bytes(msgspec.json.format(msgspec.json.encode(figures), indent=1) + b"\n")
     if write_rows(folder / PARQUET, rows):
         written.append(PARQUET)
     with whole_file(folder / PAGE) as temporary:

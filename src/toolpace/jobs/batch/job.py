@@ -1,4 +1,4 @@
-"""One job of a batch: a program, a machine and what to do with them; and the row of what came of it."""
+"""A job of a batch: program, machine and kind of work; and the row of its results."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ class _File(Tables):
         self.folder = folder
 
     def read(self) -> list[BatchJob]:
-        self.known("the file", self.raw, ("all", "jobs"))
+        self.refuse_unknown_keys("the file", self.raw, ("all", "jobs"))
         common = self.table("all")
         self.check("[all]", common)
         tables = self.raw.get("jobs", [{}] if common else [])
@@ -107,7 +107,7 @@ class _File(Tables):
         return found
 
     def check(self, place: str, table: Mapping[str, Any]) -> None:
-        self.known(place, table, KEYS)
+        self.refuse_unknown_keys(place, table, KEYS)
         for key, value in table.items():
             if isinstance(value, list) and key not in (*LISTS, "programs"):
                 self.fail(place, f"{key} is a list; one value, or a table of jobs for each")

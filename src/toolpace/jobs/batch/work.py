@@ -39,10 +39,10 @@ class Place:
     def found(self) -> Path:
         """The folder. Raises UsageError where this computer has none there, or another one."""
         try:
-            said = (Path(self.folder) / MARK).read_text(encoding="ascii")
+            figures = (Path(self.folder) / MARK).read_text(encoding="ascii")
         except (OSError, ValueError):
-            said = ""
-        if said != self.token:
+            figures = ""
+        if figures != self.token:
             import socket
 
             raise UsageError(
@@ -175,21 +175,21 @@ def _time(folder: Path, prepared: Prepared) -> BatchRow:
     return _row_of_time(prepared, _write(folder, TIMED, prepared, time_record(found, prepared.machine.name)))
 
 
-def _row_of_time(prepared: Prepared, said: Mapping[str, Any]) -> BatchRow:
+def _row_of_time(prepared: Prepared, figures: Mapping[str, Any]) -> BatchRow:
     return msgspec.structs.replace(
         waiting(prepared.job),
         machine=prepared.machine.name,
         verdict="timed",
-        duration_s=said["total_s"],
-        optimum_s=said["optimum_s"],
-        blocks=said["blocks"],
+        duration_s=figures["total_s"],
+        optimum_s=figures["optimum_s"],
+        blocks=figures["blocks"],
         folder=prepared.folder,
         key=prepared.key,
     )
 
 
 def _timed(folder: Path, prepared: Prepared) -> BatchRow:
-    return _row_of_time(prepared, _said(folder, TIMED, prepared))
+    return _row_of_time(prepared, _figures(folder, TIMED, prepared))
 
 
 def _inspect(folder: Path, prepared: Prepared) -> BatchRow:
@@ -203,35 +203,36 @@ def _inspect(folder: Path, prepared: Prepared) -> BatchRow:
     return _row_of_inspection(prepared, _write(folder, INSPECTED, prepared, inspection_record(found)))
 
 
-def _row_of_inspection(prepared: Prepared, said: Mapping[str, Any]) -> BatchRow:
-    refused = [f"{each['word']} (line {each['line']}): {each['cure']}" for each in said["refused"]]
+def _row_of_inspection(prepared: Prepared, figures: Mapping[str, Any]) -> BatchRow:
+    refused = [f"{each['word']} (line {each['line']}): {each['cure']}" for each in figures["refused"]]
     more = f"; and {len(refused) - 1} more" if len(refused) > 1 else ""
     return msgspec.structs.replace(
         waiting(prepared.job),
-        machine=", ".join(said["machines"]) or waiting(prepared.job).machine,
+        machine=", ".join(figures["machines"]) or waiting(prepared.job).machine,
         verdict=ERROR if refused else "read",
         error=f"{refused[0]}{more}" if refused else "",
-        blocks=said["blocks"],
+        blocks=figures["blocks"],
         folder=prepared.folder,
         key=prepared.key,
     )
 
 
 def _inspected(folder: Path, prepared: Prepared) -> BatchRow:
-    return _row_of_inspection(prepared, _said(folder, INSPECTED, prepared))
+    return _row_of_inspection(prepared, _figures(folder, INSPECTED, prepared))
 
 
-def _write(folder: Path, name: str, prepared: Prepared, said: dict[str, object]) -> dict[str, Any]:
+def _write(folder: Path, name: str, prepared: Prepared, figures: dict[str, object]) -> dict[str, Any]:
     """Write what was found as the one file of a folder, with its seal."""
-    said = {**said, "program": printable(str(prepared.job.program))}
+    figures = {**figures, "program": printable(str(prepared.job.program))}
     with whole_folder(folder / prepared.folder, seal=name) as temporary:
-        (temporary / name).write_bytes(msgspec.json.format(msgspec.json.encode(said), indent=2) + b"\n")
-    return said
+        (temporary / name).write_bytes(msgspec.json.format(msgspec.json.encode(figures), indent=2) + b"\n")
+    return figures
 
 
-def _said(folder: Path, name: str, prepared: Prepared) -> dict[str, Any]:
-    said: dict[str, Any] = json.loads((_unchanged(folder / prepared.folder, name) / name).read_text(encoding="utf-8"))
-    return said
+def _figures(folder: Path, name: str, prepared: Prepared) -> dict[str, Any]:
+    path = _unchanged(folder / prepared.folder, name) / name
+    figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return figures
 
 
 _DOERS: dict[str, Callable[[Path, Prepared], BatchRow]] = {

@@ -15,7 +15,7 @@ from toolpace.common.errors import PathError
 from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.smooth import Range, ranges, solve_ranges
+from toolpace.path.fit.smoothest_spline import Range, ranges, solve_ranges
 from toolpace.path.fit.spline import Samples, Spline, knots_of, sample
 
 INSIDE = 0.6
@@ -62,7 +62,7 @@ def inside_spline(
         finer = refined_at(line.s, spline.breaks, bad)
         where = finer[~np.isin(finer, spline.breaks)]
         spline = spline.over(finer)
-        data = sample(line, finer, axis_tolerance, machine, known=data)
+        data = sample(line, finer, axis_tolerance, machine, previous=data)
     raise PathError("the program asks for a corner that no curve within the tolerance can follow")
 
 

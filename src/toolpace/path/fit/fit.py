@@ -25,7 +25,7 @@ from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
 from toolpace.path.fit.first_spline import first_breaks, inside_spline, refined_at
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
-from toolpace.path.fit.smooth import tighten
+from toolpace.path.fit.smoothest_spline import tighten
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.fit.spline import Samples, Spline, sample
 from toolpace.path.run import SplineRun

@@ -266,17 +266,8 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
         normal=np.concatenate([toolpath.normal[:1], unit(normal)]),
         tip=np.concatenate([toolpath.tip[:1], tip]),
         axis=np.concatenate([toolpath.axis[:1], axis]),
-        feed=toolpath.feed[origin],
         least_time=toolpath.least_time[origin],
-        block=toolpath.block[origin],
-        stop=toolpath.stop[origin] & ends,
-        dwell=np.where(ends, toolpath.dwell[origin], 0.0),
-        rapid=toolpath.rapid[origin],
-        operation=toolpath.operation[origin],
-        tip_tolerance=toolpath.tip_tolerance[origin],
-        axis_tolerance=toolpath.axis_tolerance[origin],
-        tool_length=toolpath.tool_length[origin],
-        bow=toolpath.bow[origin],
+        **toolpath.columns_at(origin, ends),
     )
     return dense, entry[origin]
 

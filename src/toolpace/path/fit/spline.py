@@ -96,11 +96,11 @@ def sample(
     axis_tolerance: float,
     machine: Machine | None,
     at: Floats | None = None,
-    known: Samples | None = None,
+    previous: Samples | None = None,
 ) -> Samples:
     """Samples `at` parameters; by default vertices, breaks, and the middles between them where these are not close.
 
-    What `known` has is not worked out again.
+    What `previous` has is not worked out again.
     """
     from toolpace.kernels.fit.polyline import straight
     from toolpace.kernels.fit.quintic_spline import basis_rows
@@ -110,10 +110,10 @@ def sample(
     turn = straight(line.s, line.turn, s)
     metric = np.empty((len(s), turn.shape[1], turn.shape[1]))
     fresh = np.ones(len(s), dtype=bool)
-    if known is not None:
-        old = np.minimum(np.searchsorted(known.s, s), len(known.s) - 1)
-        fresh = known.s[old] != s
-        metric[~fresh] = known.metric[old[~fresh]]
+    if previous is not None:
+        old = np.minimum(np.searchsorted(previous.s, s), len(previous.s) - 1)
+        fresh = previous.s[old] != s
+        metric[~fresh] = previous.metric[old[~fresh]]
     metric[fresh] = turn_metric(turn[fresh], axis_tolerance, machine)
     tip, tip_metric = straight(line.s, line.tip, s), None
     if line.half is not None:

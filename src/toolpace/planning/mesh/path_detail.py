@@ -1,4 +1,4 @@
-"""Places of a path that need a finer mesh: cusps, poles, short features, and features narrower than the grid.
+"""Places of a path that need a finer mesh: cusps, poles, and features narrower than the grid.
 
 A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
 explain, however short it is (kernels/motion/between_nodes.py). The gap is halved, the half kept from which that is

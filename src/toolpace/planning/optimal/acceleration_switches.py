@@ -1,4 +1,4 @@
-"""Finer cells at acceleration switches, for infinite or very high jerk limits.
+"""Finer cells where the acceleration switches, for infinite or very high jerk limits.
 
 The time-optimal motion without jerk limits jumps from one acceleration to another, and starts with one. A spline takes
 some cells for that, and what it loses in each is a share of their time. So it is a matter of the mesh alone:

@@ -94,9 +94,9 @@ def fallback_plan(
         return first, (f"run at {run.place(run.s0)}: gap of {100.0 * gap:.1f} %; too long for another try",)
     opening = gap_interval_of(run, limits, first.law, start, end)
     where = f"{run.place(opening.low)} and {run.place(opening.high)}"
-    said = [f"run at {run.place(run.s0)}: gap of {100.0 * gap:.1f} %, mostly between {where}"]
+    notes = [f"run at {run.place(run.s0)}: gap of {100.0 * gap:.1f} %, mostly between {where}"]
     if fixed:
-        return first, (f"{said[0]}; the mesh is kept as it was given",)
+        return first, (f"{notes[0]}; the mesh is kept as it was given",)
     best, proved = first, None
     ways = ("proof", "mesh", "proof") if opening.stands > 0.5 else ("mesh", "proof")
     astray = first.law.duration > (1.0 + FAR) * at_nodes
@@ -112,13 +112,13 @@ def fallback_plan(
             best, words = with_proof(run, limits, best, start, end, workers)
         else:
             continue
-        said += [words] if words else []
+        notes += [words] if words else []
         if best.bound.gap <= FAR:
             break
     if best.bound.gap > FAR:
         left = f"{100.0 * best.bound.gap:.2f} %"
-        said.append(f"the remaining gap of {left} is that of a loose lower bound, as far as was tried")
-    return best, ("; ".join(said),)
+        notes.append(f"the remaining gap of {left} is that of a loose lower bound, as far as was tried")
+    return best, ("; ".join(notes),)
 
 
 def on_fewer_cells(
@@ -138,8 +138,8 @@ def on_fewer_cells(
     gain = 1.0 - law.duration / plan.law.duration
     if gain <= WORTH_SAYING:
         return plan, ""
-    said = f"with {cells} cells the motion is {100.0 * gain:.2f} % faster"
-    return Plan(law, bound_run(run, limits, law, start, end)), said
+    note = f"with {cells} cells the motion is {100.0 * gain:.2f} % faster"
+    return Plan(law, bound_run(run, limits, law, start, end)), note
 
 
 def with_proof(
@@ -173,8 +173,8 @@ def on_a_finer_mesh(
     gain = 1.0 - law.duration / plan.law.duration
     bound = bound_run(run, limits, law, start, end)
     if gain > WORTH_SAYING:
-        said = f"the mesh was too coarse there: {PARTS} times finer, the motion is {100.0 * gain:.2f} % faster"
-        return Plan(law, bound), said
+        note = f"the mesh was too coarse there: {PARTS} times finer, the motion is {100.0 * gain:.2f} % faster"
+        return Plan(law, bound), note
     if gain < -AS_FAST or bound.gap >= plan.bound.gap:
         return plan, f"with a mesh {PARTS} times finer there the motion is no faster"
     left = f"{100.0 * bound.gap:.2f} %"

@@ -1,4 +1,4 @@
-"""Limits between the nodes of a mesh, held by added rows and finer cells; what these leave is slowed down in place."""
+"""Limits between the nodes of a mesh: held by added rows and finer cells, then by slow-down in place."""
 
 from __future__ import annotations
 

@@ -53,13 +53,13 @@ class MeshedRun(OnMesh):
         highest: float,
         passed: tuple[Floats, Floats],
         ramp: float,
-        known: CachedPath | None = None,
+        cache: CachedPath | None = None,
         before: tuple[LimitCheck, Ints] | None = None,
     ) -> None:
         """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
 
         `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s];
-        `known`: what is known of the path already, which a run that is too long for one problem does not keep;
+        `cache`: what is known of the path already, which a run that is too long for one problem does not keep;
         `before`: what was checked on a mesh whose cells have been cut into so many parts (cells,) for this one.
         """
         inner = nodes[1 if ends[0].at_rest else 0 : -1 if ends[1].at_rest else len(nodes)]
@@ -67,12 +67,12 @@ class MeshedRun(OnMesh):
         self.run, self.limits, self.ends, self.highest = run, limits, ends, highest
         self.lowered = np.ones((len(inner), 3))
         self.between = RowsBetween()
-        self._known = (known or CachedPath(run)) if len(nodes) <= KEPT else None
-        self.look = LimitCheck(run, limits, self.nodes, self._known, before)
+        self._cache = (cache or CachedPath(run)) if len(nodes) <= KEPT else None
+        self.look = LimitCheck(run, limits, self.nodes, self._cache, before)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
-        self._given = discretise(run, limits, nodes, *ends, highest, self._known) if self._known else None
+        self._discretised = discretise(run, limits, nodes, *ends, highest, self._cache) if self._cache else None
         """The problem of the whole run with its limits as they are given; None where it is too long for one."""
-        self._whole = self._given
+        self._whole = self._discretised
 
     @classmethod
     def after_guess(
@@ -85,7 +85,7 @@ class MeshedRun(OnMesh):
     @property
     def is_long(self) -> bool:
         """Whether the run is too long to be solved in one piece."""
-        return self._given is None
+        return self._discretised is None
 
     def problem(self, low: int, high: int) -> Problem:
         """The problem of the nodes `low` to `high`, everything outside staying as it is (see Problem.stretch)."""
@@ -125,10 +125,10 @@ class MeshedRun(OnMesh):
             over = np.where((peaks.used > ALLOWED) & wrong[:, None], 1.0 + urge * (peaks.used - 1.0), 1.0)
             self.lowered[:-1] *= over
             self.lowered[1:] *= over
-        if self._given is not None:
-            new = held.beside(self._given.place[self._given.inside])
-            self._given = with_rows_between(self._given, self.run, self.limits, new)
-            self._whole = self._given.lowered(self.lowered, held.lowered)
+        if self._discretised is not None:
+            new = held.beside(self._discretised.place[self._discretised.inside])
+            self._discretised = with_rows_between(self._discretised, self.run, self.limits, new)
+            self._whole = self._discretised.lowered(self.lowered, held.lowered)
         self.between = held
 
     def cut(self, law: SplineLaw, parts: Ints) -> tuple[MeshedRun, Floats]:
@@ -144,7 +144,7 @@ class MeshedRun(OnMesh):
         passed = law.nodes, law.times
         finer = MeshedRun(
             self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp,
-            self._known, (self.look, parts),
+            self._cache, (self.look, parts),
         )  # fmt: skip
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)

@@ -67,9 +67,9 @@ class Optimal(Options):
         self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
     ) -> PlannedRun:
         """The fastest law of one run. Raises InfeasibleError where no motion within the limits joins both states."""
-        told = progress.part(0.0, GUARDED) if self.bound else progress
+        part = progress.part(0.0, GUARDED) if self.bound else progress
         fixed = self.mesh is not None
-        law, at_nodes = held_law(run, limits, self.mesh, start, end, self.guard, workers, told)
+        law, at_nodes = held_law(run, limits, self.mesh, start, end, self.guard, workers, part)
         if not self.bound and (fixed or law.duration <= (1.0 + FAR) * at_nodes):
             return PlannedRun(law, mesh_points(law))
         bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED))
@@ -130,11 +130,11 @@ def held_law(
         del rough  # of a long run it takes much memory
         c = solve_run(meshed, begin, 1.0, workers, progress.part(MESHED, SOLVED))
         law = SplineLaw(meshed.nodes, c, meshed.rest)
-        at_nodes, told = law.duration, progress.part(SOLVED, 1.0)
+        at_nodes, part = law.duration, progress.part(SOLVED, 1.0)
         if cells is None and may_switch(limits, law):
-            law = law_with_switches(meshed, law, guard, workers, told, most_rounds)
+            law = law_with_switches(meshed, law, guard, workers, part, most_rounds)
         elif guard:
-            law = held_between_nodes(meshed, law, cells is not None, workers, told, most_rounds)
+            law = held_between_nodes(meshed, law, cells is not None, workers, part, most_rounds)
         elif cells is None:
             law = without_falls(meshed, law, workers)
     except Stalled as stall:

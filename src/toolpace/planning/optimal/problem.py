@@ -120,11 +120,11 @@ class Problem(OnMesh):
 
 def discretise(
     run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None,
-    known: CachedPath | None = None,
+    cache: CachedPath | None = None,
 ) -> Problem:  # fmt: skip
     """The rows of a run, or of a part of it, at the nodes (n,) from end to end.
 
-    `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes); `known`, what
+    `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes); `cache`, what
     is known of the path already.
     """
     inner = nodes[1 if start.at_rest else 0 : -1 if end.at_rest else len(nodes)]
@@ -135,7 +135,7 @@ def discretise(
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    cap, scale, problem.rows = rows_at(known or run, limits, point, ahead)
+    cap, scale, problem.rows = rows_at(cache or run, limits, point, ahead)
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:

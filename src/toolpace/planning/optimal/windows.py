@@ -84,10 +84,10 @@ def solve_run(
         return solve_whole(meshed.problem(0, last), c, spread, idle)
     windows = [Stretch(int(a), int(b), int(a), int(b)) for a, b in itertools.pairwise(border)]
     begin = c
-    for parts, loss, gap, told in (
+    for parts, loss, gap, part in (
         (windows, 0.0, spread, progress.part(0.0, 0.85)), (seams, SEAM_LOSS, SEAM_LOSS, progress.part(0.85, 1.0)),
     ):  # fmt: skip
-        c, stuck = mend(meshed, c, parts, loss, gap, workers, told, least=0.0)
+        c, stuck = mend(meshed, c, parts, loss, gap, workers, part, least=0.0)
         if stuck:
             # an end in motion may leave no way to so slow a border
             return solve_whole(meshed.problem(0, last), begin, spread)

@@ -157,11 +157,11 @@ class AlternatingOptimisation:
         if start is None:
             return np.inf
         motion, path, fitted = start.motion, start.candidate.path, start.candidate.tolerances
-        told = self._part()
+        part = self._part()
         allowed = PlaceTolerances.of(self.toolpath, self.tip_tolerance, self.tolerances).counting_in(fitted)
-        changing = told.part(0.0, FITTED)
+        changing = part.part(0.0, FITTED)
         changed = refitted(self.toolpath, self.machine, path, motion, allowed, self.ramp, QUICK, changing)
-        found = self._motion(changed, told.part(FITTED, 1.0))
+        found = self._motion(changed, part.part(FITTED, 1.0))
         self._note(changed, found, 0.0, fitted)
         return np.inf if found is None else found.duration
 
@@ -227,11 +227,11 @@ class AlternatingOptimisation:
     def _round(self, speed_weights: Sequence[SpeedWeights] | None) -> tuple[Path, Trajectory | None]:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
         or none that tells how fast the path is."""
-        told = self._part()
+        part = self._part()
         path = Path.fit(
-            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, told.part(0.0, FITTED), speed_weights
+            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, part.part(0.0, FITTED), speed_weights
         )
-        return path, self._motion(path, told.part(FITTED, 1.0))
+        return path, self._motion(path, part.part(FITTED, 1.0))
 
     def _part(self) -> Progress:
         """The next part of the work: how many there will be nobody knows, and the first ones take the longest."""

@@ -102,10 +102,10 @@ class BestOfRuns:
         for number, each in enumerate(sorted(self.alternatives[run], key=lambda each: each.hoped or np.inf)):
             if best is not None and each.hoped > 0.0 and best.law.duration <= max(enough, each.hoped):
                 continue
-            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            part = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
             try:
                 self.check(each.run)
-                found = each.planned or self.planner.plan_run(each.run, limits, start, end, workers, told)
+                found = each.planned or self.planner.plan_run(each.run, limits, start, end, workers, part)
             except (InfeasibleError, ReachError) as error:
                 problem = error if problem is None or each.run is run else problem
                 continue

@@ -29,7 +29,7 @@ from toolpace.path.follow_run import FollowRun
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
 from toolpace.planning.path_and_pace.interior_point import fastest
-from toolpace.planning.path_and_pace.segment import SLOT, EffortSettings, Known, Stretch, slots_of
+from toolpace.planning.path_and_pace.segment import SLOT, EffortSettings, FittedRun, Stretch, slots_of
 from toolpace.programs.toolpath import ToolPath
 
 FEWEST, MOST = 16, 200_000
@@ -70,7 +70,7 @@ def refitted(
     scale = np.repeat([tolerances.tip, tolerances.axis], [3, 2])
     in_joints = toolpath.rotary is not None
 
-    def one(k: int, workers: Workers, told: Progress) -> tuple[SplineRun, float, float]:
+    def one(k: int, workers: Workers, part: Progress) -> tuple[SplineRun, float, float]:
         run, axis_run = path.runs[k], motion.axis_path.runs[k]
         assert isinstance(run, SplineRun)
         assert isinstance(axis_run, FollowRun)
@@ -78,9 +78,9 @@ def refitted(
         unchanged = run, path.tip_deviation, path.axis_deviation
         if motion.laws[k].duration > MOST * care.longest * ramp:
             return unchanged
-        known = known_run(run, axis_run, motion.laws[k], lines[k], rapid, scale, ramp, care)
+        fitted = fitted_run(run, axis_run, motion.laws[k], lines[k], rapid, scale, ramp, care)
         check = Comparison(lines[k], tolerances.axis, machine, in_joints)
-        changed = changed_run(known, check, workers, told)
+        changed = changed_run(fitted, check, workers, part)
         return unchanged if changed is None else changed
 
     done = side_by_side(one, [len(run.breaks) for run in path.runs], progress)
@@ -88,10 +88,10 @@ def refitted(
     return replace(path, runs=tuple(each[0] for each in done), tip_deviation=tip, axis_deviation=axis)
 
 
-def known_run(
+def fitted_run(
     run: SplineRun, joints: FollowRun, law: TimeLaw, line: Polyline, rapid: Bools, scale: Floats, ramp: float,
     care: EffortSettings,
-) -> Known:  # fmt: skip
+) -> FittedRun:  # fmt: skip
     """A run with knots that its motion passes soon enough after each other; `rapid`: which ways of the line are."""
     times = law.times_at(run.breaks)
     times[0], times[-1] = 0.0, law.duration
@@ -104,7 +104,7 @@ def known_run(
     wanted = own | where_it_matters(finer, law.at(finer)[1] < AT_FEED * joints.speed_cap(breaks))
     breaks, finer = breaks[wanted], finer[wanted]
     still = standing_still(line, rapid, (breaks - run.s0) / scale[0])
-    return Known(run, joints, law, line, joints.machine, scale, breaks, finer, run.s0, still, care)
+    return FittedRun(run, joints, law, line, joints.machine, scale, breaks, finer, run.s0, still, care)
 
 
 def where_it_matters(times: Floats, slower: Bools) -> Bools:
@@ -120,40 +120,40 @@ def where_it_matters(times: Floats, slower: Bools) -> Bools:
 
 
 def changed_run(
-    known: Known, check: Comparison, workers: Workers, progress: Progress
+    fitted: FittedRun, check: Comparison, workers: Workers, progress: Progress
 ) -> tuple[SplineRun, float, float] | None:
     """A run with its change, and its deviations of tip [m] and tool axis [rad]; None where nothing is found."""
-    if len(known.breaks) <= FEWEST:
+    if len(fitted.breaks) <= FEWEST:
         return None
-    also = known.begin + known.scale[0] * known.line.s
-    x, stages = np.zeros((slots_of(known.breaks), SLOT)), windows(slots_of(known.breaks), known.care.seams)
+    also = fitted.begin + fitted.scale[0] * fitted.line.s
+    x, stages = np.zeros((slots_of(fitted.breaks), SLOT)), windows(slots_of(fitted.breaks), fitted.care.seams)
     for repair in range(REPAIRS):
-        told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
-        change(known, x, stages, also, NARROWER**repair, workers, told)
-        run = with_change(known, x)
-        units = known.scale[0] ** np.arange(6.0)[:, None] / known.scale
-        breaks = (run.breaks - known.begin) / known.scale[0]
-        samples = np.union1d(breaks, known.line.s)
+        part = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
+        change(fitted, x, stages, also, NARROWER**repair, workers, part)
+        run = with_change(fitted, x)
+        units = fitted.scale[0] ** np.arange(6.0)[:, None] / fitted.scale
+        breaks = (run.breaks - fitted.begin) / fitted.scale[0]
+        samples = np.union1d(breaks, fitted.line.s)
         at, tip, axis = check.closely(run.coefficients * units, breaks, samples)
         if max(tip.max(), axis.max()) <= LIMIT:
             tip = check.strays(breaks, run.coefficients * units, at, tip)
-            wide = np.stack([tip, axis], axis=1) * known.line.room_at(at) * known.scale[[0, 4]]
+            wide = np.stack([tip, axis], axis=1) * fitted.line.room_at(at) * fitted.scale[[0, 4]]
             off = [largest_of_cells(breaks, at, each) for each in wide.T]
             return replace(run, tip_off=off[0], axis_off=off[1]), float(off[0].max()), float(off[1].max())
-        astray = known.begin + known.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)]
+        astray = fitted.begin + fitted.scale[0] * at[~(np.maximum(tip, axis) <= LIMIT)]
         also = np.union1d(also, astray)
-        stages = [about(stage, known, astray) for stage in stages]
+        stages = [about(stage, fitted, astray) for stage in stages]
     return None
 
 
-def about(stage: list[tuple[int, int]], known: Known, places: Floats) -> list[tuple[int, int]]:
+def about(stage: list[tuple[int, int]], fitted: FittedRun, places: Floats) -> list[tuple[int, int]]:
     """Those of the windows that have a slot of the cells at these parameters."""
-    first = np.searchsorted(known.breaks, places, side="right") - 1
+    first = np.searchsorted(fitted.breaks, places, side="right") - 1
     return [(low, high) for low, high in stage if np.any((first < high) & (first + SLOT > low))]
 
 
 def change(
-    known: Known,
+    fitted: FittedRun,
     x: Floats,
     stages: list[list[tuple[int, int]]],
     also: Floats,
@@ -170,12 +170,12 @@ def change(
         free = np.zeros(count, dtype=np.bool_)
         free[low:high] = True
         first, last = max(low - SLOT + 1, 0), min(high, count - SLOT + 1)
-        found = fastest(Stretch(known, first, last, also), x, free, share)
+        found = fastest(Stretch(fitted, first, last, also), x, free, share)
         if found is not None:
             x[low:high] = found[low:high]
 
-    for stage, told in zip(stages, progress.split([len(stage) for stage in stages])):
-        workers.each(solve, stage, told)
+    for stage, part in zip(stages, progress.split([len(stage) for stage in stages])):
+        workers.each(solve, stage, part)
 
 
 def windows(count: int, seams_too: bool) -> list[list[tuple[int, int]]]:
@@ -189,11 +189,11 @@ def windows(count: int, seams_too: bool) -> list[list[tuple[int, int]]]:
     return [first, [(int(a) - SEAM, int(a) + SEAM) for a in seams[1:-1]]] if seams_too else [first]
 
 
-def with_change(known: Known, x: Floats) -> SplineRun:
+def with_change(fitted: FittedRun, x: Floats) -> SplineRun:
     """The run with the path's part of the change."""
-    run, breaks = known.run, known.breaks
+    run, breaks = fitted.run, fitted.breaks
     cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
-    given, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
+    old, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
     padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
     change = x[:, :5] * known.scale
     taylor = [

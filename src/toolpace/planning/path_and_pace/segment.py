@@ -43,7 +43,7 @@ GROUPS = slice(0, 3), slice(3, 5)
 
 
 @dataclass(frozen=True)
-class Known:
+class FittedRun:
     """A run that is fitted and planned, and what it was fitted to."""
 
     run: SplineRun
@@ -77,27 +77,27 @@ class Known:
 class Tube:
     """Where a stretch is held to the program."""
 
-    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
+    def __init__(self, fitted: FittedRun, low: int, high: int, also: Floats) -> None:
         """Of cells low to high; at their ends, thirds and at the parameters `also`."""
-        breaks = known.breaks[low : high + 1]
+        breaks = fitted.breaks[low : high + 1]
         inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.array([0.0, 1.0, 2.0]) / 3.0).ravel()[1:]
         s = np.unique(np.concatenate([inner, also[(also > breaks[0]) & (also < breaks[-1])]]))
         cell = np.searchsorted(breaks, s, side="right") - 1
-        self.off = known.off(s)
+        self.off = fitted.off(s)
         """(n, 5) deviation before any change, from the middle of the tube."""
-        self.room = known.line.room_at((s - known.begin) / known.scale[0])
+        self.room = fitted.line.room_at((s - fitted.begin) / fitted.scale[0])
         """(n, 2) tolerance of tip and turn, in the narrowest."""
-        rotary = known.run.evaluate(s).rotary
+        rotary = fitted.run.evaluate(s).rotary
         assert rotary is not None
         metric = np.zeros((len(s), 5, 5))
         metric[:, :3, :3] = np.eye(3)
-        half, at = known.line.half, (s - known.begin) / known.scale[0]
+        half, at = fitted.line.half, (s - fitted.begin) / fitted.scale[0]
         if half is not None:
             self.off[:, :3] -= half.centre(at)
             metric[:, :3, :3] = half.metric(at)
-        metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
+        metric[:, 3:, 3:] = turn_metric(rotary[0] / fitted.scale[4], float(fitted.scale[4]), fitted.machine)
         start = np.searchsorted(cell, np.arange(high - low + 1))
-        self.balls = kernel.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
+        self.balls = kernel.Balls(low + cell, start, local_basis(fitted.breaks, 5, s, 0), metric)
 
     def moved(self, move: Floats) -> Floats:
         """(n, 5) the part of the path in a move (slots, 6)."""
@@ -108,29 +108,29 @@ class Tube:
 class Stretch:
     """The cells low to high of a run, at whose places limits are rows."""
 
-    def __init__(self, known: Known, low: int, high: int, also: Floats) -> None:
-        breaks, times = known.breaks[low : high + 1], known.times[low : high + 1]
+    def __init__(self, fitted: FittedRun, low: int, high: int, also: Floats) -> None:
+        breaks, times = fitted.breaks[low : high + 1], fitted.times[low : high + 1]
         self.low, self.cells = low, high - low
-        self.care, each, self.still = known.care, known.care.places, known.still
+        self.care, each, self.still = fitted.care, fitted.care.places, fitted.still
         t = (times[:-1, None] + np.diff(times)[:, None] * (np.arange(each) + 0.5) / each).ravel()
         self.weight = np.repeat(np.diff(times) / each, each)
         """(n,) time of each place [s]."""
-        state = known.law.at(t)
-        s = np.clip(state[0] - known.law.s0 + known.begin, breaks[0], breaks[-1])
-        jet = known.run.evaluate(s)
+        state = fitted.law.at(t)
+        s = np.clip(state[0] - fitted.law.s0 + fitted.begin, breaks[0], breaks[-1])
+        jet = fitted.run.evaluate(s)
         assert jet.rotary is not None
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
-        limits, cap = known.machine.limits, known.joints.speed_cap(s)
+        limits, cap = fitted.machine.limits, fitted.joints.speed_cap(s)
         self.places = kernel.Places(
             first=low + np.repeat(np.arange(self.cells), each),
-            basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
-            pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
-            moved=by_place(moves(known.machine, tip, rotary) * known.scale),
-            joints=by_place(known.machine.linear_jets(tip, rotary)[1:]),
+            basis=by_place(in_time(np.stack([local_basis(fitted.breaks, 5, s, order) for order in range(4)]), state)),
+            pace=by_place(np.stack([local_basis(fitted.times, 3, t, order) for order in range(3)])),
+            moved=by_place(moves(fitted.machine, tip, rotary) * fitted.scale),
+            joints=by_place(fitted.machine.linear_jets(tip, rotary)[1:]),
             feed=np.where(np.isfinite(cap), state[1] / cap, 0.0),
             limits=np.stack([limits.velocity, limits.acceleration, JERK * np.asarray(limits.jerk)]),
         )
-        self.tube = Tube(known, low, high, also)
+        self.tube = Tube(fitted, low, high, also)
 
     def at(self, x: Floats) -> State:
         """What is felt with coefficients x (slots, 6)."""

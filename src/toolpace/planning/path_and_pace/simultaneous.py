@@ -79,11 +79,11 @@ class SimultaneousOptimisation:
         allowed = self.tolerances.counting_in(fitted)
         best: tuple[Path, Trajectory] | None = None
         for number, share in enumerate(SHARES):
-            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            part = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
             room = np.maximum(allowed.room * [1.0, share], np.minimum(allowed.room, 1.0))
             if number > 0 and np.array_equal(room, allowed.room):
                 break
-            found = self._planned(path, replace(allowed, room=room), machine, check, told)
+            found = self._planned(path, replace(allowed, room=room), machine, check, part)
             if found is not None and (best is None or found[1].duration < best[1].duration):
                 best = found
             if found is not None and found[1].duration <= (1.0 + LEFT) * found[1].lower_bound:
@@ -118,8 +118,8 @@ class SimultaneousOptimisation:
         motion = plan(path, machine, planner=CheapEvaluation())
         for number in range(ROUNDS):
             # how many there will be nobody knows; the first ones gain the most
-            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
-            changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, THOROUGH, told)
+            part = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            changed = refitted(self.toolpath, machine, path, motion, allowed, self.ramp, THOROUGH, part)
             faster = plan(changed, machine, planner=CheapEvaluation())
             gained = 1.0 - faster.duration / motion.duration
             if gained > 0.0:
@@ -166,11 +166,11 @@ class FinalMesh:
         best: PlannedRun | None = None
         for number, dense in enumerate(CELLS):
             # how many there will be nobody knows
-            told = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
+            part = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
             cells = int(np.clip(dense * time / self.ramp, FEWEST_CELLS, MOST_CELLS))
-            solving = told.part(0.0, SOLVED)
+            solving = part.part(0.0, SOLVED)
             law, points = fastest_law(run, limits, cells, start, end, True, workers, solving, GUARD_ROUNDS)
-            bound = bound_long_run(run, limits, law, start, end, workers, told.part(SOLVED, 1.0))
+            bound = bound_long_run(run, limits, law, start, end, workers, part.part(SOLVED, 1.0))
             if best is None or law.duration < best.law.duration:
                 best = PlannedRun(law, points, bound.seconds, places_in_time(run, law, bound))
             if law.duration <= (1.0 + LEFT) * bound.seconds:

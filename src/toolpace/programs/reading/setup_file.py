@@ -66,9 +66,9 @@ class TablesInUnits(Tables):
     def __init__(self, source: str, raw: Mapping[str, Any], name: str, tables: tuple[str, ...]) -> None:
         """name: what the file is called in messages; tables: those that it may have."""
         super().__init__(source, raw)
-        self.known(name, raw, tables)
+        self.refuse_unknown_keys(name, raw, tables)
         units = self.table("units")
-        self.known("[units]", units, ("length", "angle"))
+        self.refuse_unknown_keys("[units]", units, ("length", "angle"))
         self.length = self._unit(units, "length", LENGTHS, "mm")
         self.angle = self._unit(units, "angle", ANGLES, "deg")
 
@@ -203,7 +203,7 @@ class _Sheet(TablesInUnits):
 
     def tool(self, place: str, table: Mapping[str, object]) -> Tool:
         keys = ("length", "radius", "corner_radius")
-        self.known(place, table, keys)
+        self.refuse_unknown_keys(place, table, keys)
         if "length" not in table:
             self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")
         figures = [self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL) for key in keys]
@@ -219,7 +219,7 @@ class _Sheet(TablesInUnits):
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")
-        self.known("[part]", table, ("origin", "x", "z"))
+        self.refuse_unknown_keys("[part]", table, ("origin", "x", "z"))
         found: dict[str, tuple[float, float, float]] = {}
         for key, value in table.items():
             if not isinstance(value, list) or len(value) != 3:
@@ -235,7 +235,7 @@ class _Sheet(TablesInUnits):
 
     def tool_change(self) -> float:
         times = self.table("times")
-        self.known("[times]", times, ("tool_change",))
+        self.refuse_unknown_keys("[times]", times, ("tool_change",))
         found = self.number("[times]", "tool_change", times.get("tool_change", 0.0), "seconds")
         if not 0.0 <= found <= LONGEST_CHANGE:
             self.fail("[times]", f"tool_change = {found:g} is not between 0 and {LONGEST_CHANGE:g} s: correct it")

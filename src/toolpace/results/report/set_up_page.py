@@ -100,14 +100,15 @@ def _machines(others: Sequence[tuple[str, FoundSetUp | str]]) -> str:
         f"<td class=n>{format_time(found.given.duration) if found.given is not None else 'cannot be run'}</td>"
         f"<td class=n>{_gain(found.best[0], found.given)}</td>"
         f"<td>{escape(found.best[0].clamping.words(found.best[0].machine))}</td></tr>"
-        for name, found in sorted(others, key=_time)
+        for name, found in sorted(others, key=time_on)
     )
     head = "<th>Machine</th><th class=n>Time</th><th class=n>As given</th><th class=n>Gain</th><th>Set-up</th>"
     body = f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
     return _panel("Machines", "each with its own best set-up; this page is of the fastest", body)
 
 
-def _time(machine: tuple[str, FoundSetUp | str]) -> float:
+def time_on(machine: tuple[str, FoundSetUp | str]) -> float:
+    """How long the program takes on a machine with its best set-up [s]; inf where none fits."""
     return math.inf if isinstance(machine[1], str) else machine[1].best[0].duration
 
 

@@ -1,4 +1,4 @@
-"""Texts, number formats and colours of the report, and what is too little to be listed in it."""
+"""Texts, number formats and colours of the report, and the share below which a limit is not listed."""
 
 from __future__ import annotations
 

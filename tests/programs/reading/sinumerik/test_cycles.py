@@ -12,8 +12,8 @@ import pytest
 from tests.support.sinumerik import SINUMERIK, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.strokes import strokes_of
-from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
 
 STRICT = msgspec.structs.replace(SINUMERIK, options=SINUMERIK.options | {"strict_cycles": True})
 
@@ -90,7 +90,7 @@ def test_strokes_shrink_and_the_last_two_are_equal():
     assert strokes_of(50, 20, 5) == pytest.approx([20, 35, 45, 50])
     assert strokes_of(30, 10, 0) == pytest.approx([10, 20, 30])
     assert strokes_of(145, 50, 20) == pytest.approx([50, 80, 100, 120, 132.5, 145])
-    with pytest.raises(ValueFault, match="10000 strokes"):
+    with pytest.raises(BlockError, match="10000 strokes"):
         strokes_of(1e3, 1e-3, 0)
 
 

@@ -9,7 +9,8 @@ from toolpace.programs.reading.arcs import MOST_TURNS, PLANE_AXES, Arc, ArcError
 from toolpace.programs.reading.control.control import FARTHEST, Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import RefusedError, WordError, near_whole
+from toolpace.programs.reading.gcode.program.words import RefusedError, near_whole
+from toolpace.programs.reading.language.expressions import BlockError
 
 FULL = 360.0
 """A turn [deg]."""
@@ -52,11 +53,11 @@ class ArcReader:
         self._full_turn(arc_words, start, target)
         turns = near_whole(arc_words.pop("P", 1.0), 1e-3)
         if turns != int(turns) or not 1 <= turns <= MOST_TURNS:
-            raise WordError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")
+            raise BlockError(f"P{turns:g} of an arc counts its turns: write a whole number from 1 to {MOST_TURNS}")
         if "R" in arc_words:
             radius = arc_words.pop("R") * state.unit
             if any(arc_words.values()) or (self.full and arc_words):
-                raise WordError("an arc has R, or I, J, K, not both: remove one")
+                raise BlockError("an arc has R, or I, J, K, not both: remove one")
             self._refuse_far(radius, "R")
             centre = centre_of_radius(start, target, radius, plane, clockwise, self.reach)
             tolerance = Tolerance()
@@ -70,7 +71,7 @@ class ArcReader:
         """Take B5= of MillPlus, the angle of the arc: a full circle, which posts write with it."""
         turned = arc_words.pop("B5", None)
         if turned is not None and (abs(turned) != FULL or math.dist(start, target) > 0.0):
-            raise WordError("B5= of an arc is read as B5=360 without X, Y, Z: write the end of the arc")
+            raise BlockError("B5= of an arc is read as B5=360 without X, Y, Z: write the end of the arc")
 
     def _plane(self, arc_words: dict[str, float]) -> int:
         """The plane in force; where centres are fitted, that of the two letters that are given."""
@@ -89,19 +90,19 @@ class ArcReader:
         letters = [letter for letter, _ in wanted]
         if not any(letter in arc_words for letter in letters):
             cure = f"write {letters[0]} and {letters[1]}, or R; for a straight way G0 or G1, since G2 stays in force"
-            raise WordError(f"the arc lacks its centre: {cure}")
+            raise BlockError(f"the arc lacks its centre: {cure}")
         for letter, slot in wanted:
             value = arc_words.get(letter)
             if value is None:
                 if absolute:
-                    raise WordError(f"the arc lacks {letter}: under G90.1 both centre coordinates are needed")
+                    raise BlockError(f"the arc lacks {letter}: under G90.1 both centre coordinates are needed")
                 continue
             self._refuse_far(value * state.unit, letter)
             centre[slot] = sign * value * state.unit + (0.0 if absolute else centre[slot])
         extra = next((letter for letter, value in arc_words.items() if letter not in letters and value), None)
         if extra is not None:
             name = ("G17", "G18", "G19")[plane]
-            raise WordError(f"{extra} has no meaning for an arc in the plane of {name}: check the plane")
+            raise BlockError(f"{extra} has no meaning for an arc in the plane of {name}: check the plane")
         return centre
 
     def _fitting_centre(
@@ -147,7 +148,7 @@ class ArcReader:
 
     def _refuse_far(self, value: float, letter: str) -> None:
         if not abs(value) <= FARTHEST * self.state.unit:
-            raise WordError(f"{letter} is beyond {FARTHEST:g}: correct the number")
+            raise BlockError(f"{letter} is beyond {FARTHEST:g}: correct the number")
 
 
 def _radii(by: Controller, unit: float) -> Tolerance:

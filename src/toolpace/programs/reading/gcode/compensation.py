@@ -8,7 +8,8 @@ from toolpace.programs.reading.compensation.stage import ACROSS, ARC, AROUND, IN
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -97,9 +98,9 @@ class Compensation:
         return word == "G10" and 1.0 <= number <= len(OFFSETS) and OFFSETS[int(number) - 1] != offset
 
     def refuse(self, word: str) -> None:
-        """Raise WordError where compensation is on."""
+        """Raise BlockError where compensation is on."""
         if self.stage is not None:
-            raise WordError(f"{word} cannot stand under cutter compensation: write G40 before it")
+            raise BlockError(f"{word} cannot stand under cutter compensation: write G40 before it")
 
     def begin(self, numbers: Numbers, word: str) -> None:
         """G41, G42: by the radius of the tool of D, or of that in the spindle."""
@@ -120,9 +121,9 @@ class Compensation:
         """G41.1, G42.1: D is the diameter; below zero it is that of the other side."""
         diameter = numbers.pop("D", None)
         if diameter is None:
-            raise WordError(f"{word} needs the diameter of the tool as D: write it like {word} D6")
+            raise BlockError(f"{word} needs the diameter of the tool as D: write it like {word} D6")
         if "L" in numbers:
-            raise WordError(f"{word} with L is for turning tools: remove L")
+            raise BlockError(f"{word} with L is for turning tools: remove L")
         if self._as_programmed():
             return
         side = 1 if word == "G41.1" else -1
@@ -132,7 +133,7 @@ class Compensation:
         """Of the tool that D names [m]. Raises RefusedError where no radius is told."""
         control = self.control
         if number is not None and (number != int(number) or number < 0.0):
-            raise WordError(f"D{number:g} of {word} is the number of a tool: write a whole one, from 0")
+            raise BlockError(f"D{number:g} of {word} is the number of a tool: write a whole one, from 0")
         if not self.rs274 and number is None:
             number = self.state.radius_number
             if number is None:
@@ -146,13 +147,13 @@ class Compensation:
         control.findings.used.tools.setdefault(name)
         found = control.setup.tool(name)
         if found is None and number and self.rs274 and control.setup.tools:
-            raise WordError(f"D{number:g} of {word} is no tool of the set-up sheet: list it there")
+            raise BlockError(f"D{number:g} of {word} is no tool of the set-up sheet: list it there")
         if found is None or found.radius is None:
             raise RefusedError(word, NO_RADIUS.format("remove it" if self.rs274 else "write D0"))
         return found.radius
 
     def choose(self, number: float) -> None:
-        """D without G41 or G42: of the compensation to come. Raises WordError where it changes the one at hand.
+        """D without G41 or G42: of the compensation to come. Raises BlockError where it changes the one at hand.
 
         Fanuc: "the vector at the end point of the block is calculated for the new cutter compensation value", and D0
         cancels (B-63784EN, 14.4.1): which corners there are between two radii is not said.
@@ -164,9 +165,9 @@ class Compensation:
             try:
                 radius = self._radius(number, self.word)
             except RefusedError as error:
-                raise WordError(error.cure) from None
+                raise BlockError(error.cure) from None
             if radius != at_hand:
-                raise WordError(
+                raise BlockError(
                     f"D{number:g} changes the radius from {at_hand * 1e3:.6g} to {radius * 1e3:.6g} mm under "
                     f"{self.word}: write G40 and {self.word} D{number:g}, each with a straight motion"
                 )
@@ -174,14 +175,14 @@ class Compensation:
     def _begin(self, side: int, radius: float, word: str) -> None:
         control, state = self.control, self.state
         if self.stage is not None:
-            raise WordError(f"{word} stands where compensation is on already: remove it, or write G40 before it")
+            raise BlockError(f"{word} stands where compensation is on already: remove it, or write G40 before it")
         self.word = "" if self.by == "linuxcnc" else word
         if self.by == "linuxcnc":
             self._begin_linuxcnc(side, radius, word)
         elif radius and self.by not in TYPES:
             raise RefusedError(word, UNKNOWN_CORNERS)
         elif radius and state.plane and self.in_xy:
-            raise WordError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
+            raise BlockError(f"{word} compensates in the plane of G17 alone (alarm 344): write G17 before it")
         elif radius:
             ends, shifts = TYPES[self.by]
             rules = Rules(self.corners, ends, INSIDE, shifts=shifts, gouge=ALARM, assumed=self.said)
@@ -190,7 +191,7 @@ class Compensation:
     def _begin_linuxcnc(self, side: int, radius: float, word: str) -> None:
         control, state = self.control, self.state
         if state.plane == 2:
-            raise WordError(f"{word} compensates in the planes of G17 and G18: choose one of them")
+            raise BlockError(f"{word} compensates in the planes of G17 and G18: choose one of them")
         if radius:
             control.begin_here()
             control.stage = LinuxcncStage(control, side, radius, state.plane, state.unit)
@@ -204,7 +205,7 @@ class Compensation:
         self.control.findings.ignored(word)
         stage = self.control.stage
         if isinstance(stage, Follower) and numbers.keys() & {"I", "J", "K"}:
-            raise WordError(
+            raise BlockError(
                 "I, J, K beside G40 tell in which direction the contour would go on, which is not read: write that "
                 "element out before G40"
             )
@@ -217,7 +218,7 @@ class Compensation:
         """A stop of the program, or its end."""
         stage = self.control.stage
         if self.ends_before_stops and isinstance(stage, Follower):
-            raise WordError(
+            raise BlockError(
                 "the program stops or ends under compensation (alarm 349): write G40 with a motion in X or Y before it"
             )
         if isinstance(stage, (LinuxcncStage, Uncompensated, Follower)):

@@ -27,7 +27,6 @@ from toolpace.programs.reading.gcode.program.words import (
     Handler,
     Numbers,
     RefusedError,
-    WordError,
     bounded,
     increment,
     near_whole,
@@ -36,6 +35,7 @@ from toolpace.programs.reading.gcode.splines import SPLINES, Splines
 from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
 from toolpace.programs.reading.gcode.tools import Tools
 from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import ReadOptions
 
 AS_WRITTEN = (
@@ -113,7 +113,7 @@ class Executor:
         )
 
     def execute(self, block: Block) -> None:
-        """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
+        """Execute the words of a block. Raises BlockError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
         if self.planes.blocks and not any(action.meaning in MEANINGS for action in actions):
@@ -140,12 +140,12 @@ class Executor:
             control.feed.set(number, state.unit, control.line)
         if "S" in numbers:
             if numbers["S"] < 0.0:
-                raise WordError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
+                raise BlockError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
             control.feed.spindle = numbers["S"] / 60.0
             control.moves.switch()
         if "T" in numbers:
             if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):
-                raise WordError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
+                raise BlockError(f"T{numbers['T']:g} is no number of a tool: write a whole one, from 0")
             state.next_tool = f"{numbers['T']:g}"
         self.after, self.pattern = None, ""
         for action in actions[block.before_feed :]:
@@ -267,7 +267,7 @@ class Executor:
                 word, "with P, Q, U, W or D it is a cycle of turning: only programs for milling are read"
             )
         if self.state.cycle is None:
-            raise WordError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
+            raise BlockError(f"{word} drills with the cycle in force: write one before it, with L0 for its own hole")
         self.pattern = word
 
     def close(self) -> None:

@@ -14,7 +14,8 @@ from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.flow import Flow
 from toolpace.programs.reading.gcode.program.variables import Variables
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 RESULT = 5399
 """Variable that has what was waited for."""
@@ -46,9 +47,9 @@ class Functions:
         words = {letter: numbers.pop(letter) for letter in "RPQ" if letter in numbers}
         self._refuse_cycle(numbers, word, arcs=True)
         if not 0.0 <= words.get("R", 0.0) <= 360.0 or round(words.get("P", 0.0)) not in (0, 1, 2):
-            raise WordError(f"{word} takes an angle R from 0 to 360 and a direction P of 0, 1 or 2: correct them")
+            raise BlockError(f"{word} takes an angle R from 0 to 360 and a direction P of 0, 1 or 2: correct them")
         if words.get("Q", 1.0) <= 0.0:
-            raise WordError(f"{word} Q is a time above zero: correct it")
+            raise BlockError(f"{word} Q is a time above zero: correct it")
         self.state.turning = ""
         self.control.stop()
 
@@ -61,18 +62,18 @@ class Functions:
         inputs = [words[letter] for letter in "PE" if letter in words]
         waits = round(words.get("L", 0.0))
         if len(inputs) != 1 or round(inputs[0]) < 0:
-            raise WordError(f"{word} waits for one input: write its number as P, or as E where it is analog")
+            raise BlockError(f"{word} waits for one input: write its number as P, or as E where it is analog")
         if waits and ("E" in words or words.get("Q", 0.0) <= 0.0):
-            raise WordError(f"{word} L{waits} waits for a digital input, Q seconds at most: write P, and Q above zero")
+            raise BlockError(f"{word} L{waits} waits for a digital input, Q seconds at most: write P, and Q above zero")
         self.variables.common.pop(RESULT, None)
         self.control.stop()
 
     def _refuse_cycle(self, numbers: Numbers, word: str, *, arcs: bool = False) -> None:
-        """Raise WordError where the motion of the block takes the same letters for something else."""
+        """Raise BlockError where the motion of the block takes the same letters for something else."""
         state = self.state
         moves = not numbers.keys().isdisjoint("XYZABCUVWIJK")
         if moves and (state.drills_here or (arcs and state.arc_here)):
-            raise WordError(f"{word} and an arc or a cycle may take the same letters: write two blocks")
+            raise BlockError(f"{word} and an arc or a cycle may take the same letters: write two blocks")
 
 
 class SavedModes:
@@ -133,7 +134,7 @@ class SavedModes:
         """M72."""
         restore = self.flow.frame.saved
         if restore is None:
-            raise WordError(f"{word} restores modes, and none were saved at this level: write M70 before it")
+            raise BlockError(f"{word} restores modes, and none were saved at this level: write M70 before it")
         restore()
 
 

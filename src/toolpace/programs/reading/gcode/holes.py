@@ -26,7 +26,8 @@ from toolpace.programs.reading.control.moves import Joining
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
-from toolpace.programs.reading.gcode.program.words import RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 DIRECTIONS = {"first": (0, 1.0), "first negative": (0, -1.0), "second": (1, 1.0), "second negative": (1, -1.0)}
 """Of a shift Q: which axis of the plane, and its sign (parameters 5101#4, #5 and 5148 of Fanuc, Setting 27 of Haas)."""
@@ -43,11 +44,11 @@ class BoringShift:
     def beside(self, hole: list[float], words: dict[str, float]) -> list[float] | None:
         """The place (3 + rotary) beside the hole; None where the words of the cycle tell no shift.
 
-        Raises WordError for Q below zero, RefusedError in turned, scaled or mirrored coordinates.
+        Raises BlockError for Q below zero, RefusedError in turned, scaled or mirrored coordinates.
         """
         q, unit = words.get("Q", 0.0), self.state.unit
         if q < 0.0:
-            raise WordError("Q is the shift of a boring tool and has no sign: write it above zero")
+            raise BlockError("Q is the shift of a boring tool and has no sign: write it above zero")
         found, plane = list(hole), PLANE_AXES[self.state.plane]
         if q:
             found[plane[self.axis]] += self.sign * q * unit
@@ -153,16 +154,16 @@ class Holes:
         """
         control, state = self.control, self.state
         if control.feed.mode == INVERSE:
-            raise WordError("canned cycles need feeds per minute: write G94 before them")
+            raise BlockError("canned cycles need feeds per minute: write G94 before them")
         letter = "XYZ"[state.drill_axis]
         plane = [axis for axis in numbers if axis in control.slots and axis != letter]
         repeats, fewest = self._repeats(numbers), int(self.rs274)
         if repeats != int(repeats) or not fewest <= repeats <= MOST_HOLES:
-            raise WordError(
+            raise BlockError(
                 f"{self.repeats}{repeats:g} counts holes: write a whole number from {fewest} to {MOST_HOLES}"
             )
         if state.unit != self.unit:
-            raise WordError("a change of the unit within a cycle changes what its words mean: write G80 before it")
+            raise BlockError("a change of the unit within a cycle changes what its words mean: write G80 before it")
         if self.level is None:
             self.level = control.words[state.drill_axis]
         drills = bool(plane) or letter in numbers
@@ -175,7 +176,7 @@ class Holes:
                 self.words[name] = numbers.pop(name)
                 self.absolute[name] = state.absolute
         if dwell is not None and dwell < 0.0:
-            raise WordError(f"the dwell P of a cycle is {dwell:g} s: write it from zero")
+            raise BlockError(f"the dwell P of a cycle is {dwell:g} s: write it from zero")
         if dwell is not None:
             self.words["P"] = dwell
         if not drills:
@@ -246,15 +247,15 @@ class Holes:
         """Words on which its interpreter ends: "All axes missing", "Cannot put an A in canned cycle"; and on which
         it moves elsewhere than its manual says."""
         if self.state.cycle_word and not drills:
-            raise WordError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
+            raise BlockError("a cycle without an axis drills nothing: write where, like G81 X1 Y1 Z-5 R2")
         if self.state.cycle == "tap" and self.state.drill_axis != 2:
-            raise WordError(
+            raise BlockError(
                 f"{self.state.motion_word} outside the plane of G17: LinuxCNC's interpreter moves other axes than the "
                 "manual says; write the strokes out"
             )
         turned = next((axis for axis in plane if axis in "ABC"), None)
         if turned is not None:
-            raise WordError(f"{turned} in a block of a cycle: turn the axis in a block before it")
+            raise BlockError(f"{turned} in a block of a cycle: turn the axis in a block before it")
 
     def on_circle(self, numbers: dict[str, float], *, each: bool) -> None:
         """Holes on a circle of radius I about the place at hand, the first at the angle J [deg], L of them.
@@ -264,7 +265,7 @@ class Holes:
         """
         count = numbers.pop("L", 1.0)
         if count != int(count) or not 1 <= count <= MOST_HOLES:
-            raise WordError(f"L{count:g} counts holes: write a whole number from 1 to {MOST_HOLES}")
+            raise BlockError(f"L{count:g} counts holes: write a whole number from 1 to {MOST_HOLES}")
         radius, first = numbers.pop("I") * self.state.unit, numbers.pop("J") * DEGREE
         step = numbers.pop("K", 0.0) * DEGREE if each else 2.0 * math.pi / count
         if radius < 0.0 and step < 0.0:
@@ -293,9 +294,9 @@ class Holes:
             self.control.findings.assumed("the feed of a cycle without R begins at the height where the cycle began")
             words["R"], self.absolute["R"], missing = self.level / unit, True, None
         if missing in (letter, "R"):
-            raise WordError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
+            raise BlockError(f"the cycle lacks {missing}: write where its feed begins as R and its depth as {letter}")
         if missing is not None:
-            raise WordError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
+            raise BlockError(f"the cycle lacks {missing}: pecks need Q, dwells P, and boring backwards I, J and K")
         waits = (state.cycle == "tap" or "P" in kind.needs) if self.rs274 else kind.dwells
         dwell = words.get("P", self.dwelt if self.rs274 else 0.0) if waits else 0.0
         self.dwelt = dwell if waits else self.dwelt
@@ -304,7 +305,7 @@ class Holes:
         from_above = self.rs274 or state.cycle != "bore backwards"
         back = max(self.level, top) if state.to_initial or not from_above else top
         if bottom > top and from_above:
-            raise WordError(f"the cycle's depth {letter} is above R: correct {letter} or R")
+            raise BlockError(f"the cycle's depth {letter} is above R: correct {letter} or R")
         made = Drilling(
             top=top,
             bottom=bottom,
@@ -323,7 +324,7 @@ class Holes:
         words, unit = self.words, self.state.unit
         peck = words.get("Q", 0.0) * unit
         if peck < 0.0:
-            raise WordError("Q is the depth of a peck and has no sign: write it above zero")
+            raise BlockError("Q is the depth of a peck and has no sign: write it above zero")
         first, less, least = (words.get(name, 0.0) * unit for name in "IJK")
         clearance, chip_break = self.clearance, self.chip_break
         if self.peck_words == "clearance" and least:

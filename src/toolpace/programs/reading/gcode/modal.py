@@ -10,7 +10,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import machine_coordinates
 from toolpace.programs.reading.gcode.program.variables import Key
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
 
 ARCS = ("arc clockwise", "arc counter-clockwise")
 _FEEDS = {INVERSE: 93.0, PER_MINUTE: 94.0, PER_REVOLUTION: 95.0}
@@ -130,7 +130,7 @@ class System:
             return 0.0
         stage = self.control.stage
         if stage is not None and (stage.compensates or not self.named):
-            raise WordError("the place of the machine is asked for under cutter compensation: write G40 before it")
+            raise BlockError("the place of the machine is asked for under cutter compensation: write G40 before it")
         return self.control.words[slot] / (self.state.unit if slot < 3 else DEGREE)
 
     def _of_linuxcnc(self, key: int) -> float | None:

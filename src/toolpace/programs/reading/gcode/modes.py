@@ -12,7 +12,8 @@ from toolpace.programs.reading.control.moves import Joining
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.holes import KINDS, Holes
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.languages import OSP
 
 
@@ -71,7 +72,7 @@ class Modes:
     def _unit(self, unit: float) -> Handler:
         def set_unit(numbers: Numbers, word: str) -> None:
             if self._drills() and unit != self.state.unit:
-                raise WordError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
+                raise BlockError(f"{word} within a cycle changes what its words mean: end the cycle with G80 before it")
             if self.control.stage is not None and unit != self.state.unit:
                 self.control.stage.other_motion(f"a change of the unit ({word})")
             self.state.unit, self.state.unit_said = unit, True
@@ -173,8 +174,8 @@ class Modes:
     def _dwell(self, numbers: Numbers, word: str) -> None:
         letter = next((letter for letter in ("P" if self.rs274 else "PXUF") if letter in numbers), None)
         if letter is None:
-            raise WordError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
+            raise BlockError(f"{word} needs its time as P in seconds: write it like {word} P0.5")
         value = self._taken(numbers, letter, self.rs274 and (self.state.arc_here or self._drills())) or 0.0
         self.control.dwell(self.seconds(value) if letter == "P" else value)
         if any(letter in "XYZABCUVW" for letter in numbers) and not self.rs274:
-            raise WordError(f"{word} takes its time alone: write the motion in a block of its own")
+            raise BlockError(f"{word} takes its time alone: write the motion in a block of its own")

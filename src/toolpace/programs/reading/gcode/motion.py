@@ -30,7 +30,8 @@ from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import TURN
 from toolpace.programs.reading.gcode.circles import ArcReader
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
-from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
@@ -76,7 +77,7 @@ class MotionReader:
             if self.straight_without_centre and not arc_words:
                 motion = "feed"
         if self.fanuc and state.vectors and any(letter in numbers for letter in "ABC"):
-            raise WordError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
+            raise BlockError("a rotary word under G43.5 stops with an alarm (PS5421): write I, J, K, or use G43.4")
         vector = {letter: numbers.pop(letter, 0.0) for letter in "IJK"} if self._has_vector(numbers) else None
         if not state.absolute and not len(control.moves):
             # distances start somewhere: at zero, as on a controller that was never told its place
@@ -93,7 +94,7 @@ class MotionReader:
             return
         if motion in ARCS:
             if self.fanuc and state.turned_plane not in (None, state.plane):
-                raise WordError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
+                raise BlockError("an arc in another plane than that of G68 stops with an alarm: write G69 before it")
             arc = self.arcs.arc(arc_words, start, self.stated if state.stands else target)
             if state.stands:
                 arc = self._carried(arc, target)
@@ -132,7 +133,7 @@ class MotionReader:
         motion = self.state.motion
         if motion is None:
             if not self.start_is_rapid:
-                raise WordError("axis words without a motion: write G0, G1, G2 or G3 before them")
+                raise BlockError("axis words without a motion: write G0, G1, G2 or G3 before them")
             self.control.findings.assumed("motions before the first G0 or G1 are rapids")
             motion = self.state.motion = "rapid"
         return motion
@@ -154,7 +155,7 @@ class MotionReader:
         for letter, value in numbers.items():
             slot = slots.get(letter)
             if not -FARTHEST <= value <= FARTHEST:
-                raise WordError(f"{letter}{value:g} is beyond {FARTHEST:g}: correct the number")
+                raise BlockError(f"{letter}{value:g} is beyond {FARTHEST:g}: correct the number")
             if slot is None:
                 if letter != self.along:
                     self._refuse_word(letter)
@@ -222,7 +223,7 @@ class MotionReader:
     def _carried(self, arc: Arc, target: list[float]) -> Arc:
         """An arc in coordinates that stand, in those of the control."""
         if target[3:] != self.control.words[3:]:
-            raise WordError("an arc cannot turn the rotary axes here: let the CAM system write lines")
+            raise BlockError("an arc cannot turn the rotary axes here: let the CAM system write lines")
         turn, _ = self._turn_and_way(target[3:])
         a, b, c = (tuple(row) for row in turn.tolist())
         turned = ((*a, 0.0), (*b, 0.0), (*c, 0.0))
@@ -256,7 +257,7 @@ class MotionReader:
         if first not in numbers and second not in numbers:
             return
         if not state.absolute and first in numbers:
-            raise WordError("a polar radius under G91 is not read: write it under G90")
+            raise BlockError("a polar radius under G91 is not read: write it under G90")
         before = {} if state.absolute else state.pole
         state.pole |= {x: numbers[x] + before.get(x, 0.0) for x in (first, second) if x in numbers}
         if first not in state.pole or second not in state.pole:
@@ -275,7 +276,7 @@ class MotionReader:
         """Rotary words of a tool axis, which is in the program's coordinates as the tip is (A-79348E, G43.5)."""
         size = math.hypot(*vector.values())
         if size < 1e-6:
-            raise WordError("the tool axis I, J, K is zero: give the direction from the tip to the spindle")
+            raise BlockError("the tool axis I, J, K is zero: give the direction from the tip to the spindle")
         return rotary_for(self.control, direction_on_part(self.control, list(vector.values())))
 
     def _refuse_word(self, letter: str) -> None:
@@ -286,12 +287,12 @@ class MotionReader:
                 "positions of the rotary axes (A, B, C)",
             )
         if letter in _USES:
-            raise WordError(f"{letter} has no use in this block, it belongs to {_USES[letter]}: remove it")
+            raise BlockError(f"{letter} has no use in this block, it belongs to {_USES[letter]}: remove it")
         if letter in "ABC" or (letter in "UVW" and self.control.poses.machine is not None):
             self.control.slot(letter)
         if letter == "E":
-            raise WordError(NO_EXPONENT)
-        raise WordError(f"word {letter} is not known here and might move something: remove it")
+            raise BlockError(NO_EXPONENT)
+        raise BlockError(f"word {letter} is not known here and might move something: remove it")
 
 
 def turned_alone(control: Control, state: Modal, target: list[float], *, rapid: bool) -> bool:

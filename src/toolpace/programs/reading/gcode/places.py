@@ -9,7 +9,8 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader, turned_alone
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 
 class Places:
@@ -62,7 +63,7 @@ class Places:
         """G30: to the second reference point, or the one that P names."""
         number = numbers.pop("P", 2.0)
         if number not in (1.0, 2.0, 3.0, 4.0):
-            raise WordError(f"{word} P{number:g} is no reference point: write P2, P3 or P4")
+            raise BlockError(f"{word} P{number:g} is no reference point: write P2, P3 or P4")
         self._reference(int(number), numbers, word)
 
     def _reference(self, number: int, numbers: Numbers, word: str) -> None:
@@ -101,7 +102,7 @@ class Places:
         control = self.control
         target, named = self.motion.target(self._named(numbers, word))
         if self.state.between is None:
-            raise WordError(f"{word} comes back over the place over which G28 went, and none did: write G28 before it")
+            raise BlockError(f"{word} comes back over the place over which G28 went, and none did: write G28 before it")
         over = list(control.words)
         for slot, (present, wanted) in enumerate(zip(control.words, target)):
             over[slot] = self.state.between[slot] if present != wanted else present
@@ -112,7 +113,7 @@ class Places:
         """Move to machine coordinates."""
         control, unit = self.control, self.state.unit
         if self.rs274 and (self.state.motion not in ("rapid", "feed") or not self.state.absolute):
-            raise WordError("G53 stands with G0 or G1, and under G90: write it like G90 G53 G0 Z0")
+            raise BlockError("G53 stands with G0 or G1, and under G90: write it like G90 G53 G0 Z0")
         if self.fanuc and not self.state.absolute:
             numbers.clear()
             raise RefusedError("G53 under G91", "the control passes it over there: write G90 G53")

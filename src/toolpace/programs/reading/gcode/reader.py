@@ -20,7 +20,8 @@ from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow, Frame
 from toolpace.programs.reading.gcode.program.statements import Statement
 from toolpace.programs.reading.gcode.program.variables import Variables
-from toolpace.programs.reading.gcode.program.words import RefusedError, WordError, plain_words
+from toolpace.programs.reading.gcode.program.words import RefusedError, plain_words
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import CurveError
@@ -174,7 +175,7 @@ class WordAddressReader:
             if block is not None and block.statement is not None:
                 fail(str(error), number)  # where the program goes from here is not known
             self.findings.refused(error.word, line, error.cure)
-        except (WordError, ArcError, CurveError, CornerError) as error:
+        except (BlockError, ArcError, CurveError, CornerError) as error:
             fail(str(error), number)
 
     def _compiled(self, text: str) -> Block:
@@ -206,7 +207,7 @@ class WordAddressReader:
                 self.findings.refused(word, line, cure)
             return
         if self.fanuc and block.assignments and (block.fixed or block.computed or block.actions):
-            raise WordError("a variable is set beside other words, which stops with an alarm (PS0127): use two blocks")
+            raise BlockError("a variable is set beside other words, which stops with an alarm (PS0127): use two blocks")
         values = [(place.key(self.variables), value_of(node, self.variables)) for place, node in block.assignments]
         if not self.assignments_last:
             self._assign(values)

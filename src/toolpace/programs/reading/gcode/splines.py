@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
-from toolpace.programs.reading.gcode.program.words import Numbers, WordError
+from toolpace.programs.reading.gcode.program.words import Numbers
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.splines import Bezier, CurveError, curves_of, even_knots
 
 CUBIC, QUADRATIC, NURBS, BY_KNOTS = "cubic spline", "quadratic spline", "nurbs", "nurbs by knots"
@@ -52,7 +53,7 @@ class Splines:
         self.state.motion, self.state.cycle = meaning, None
 
     def execute(self, numbers: Numbers, number: float | None) -> None:
-        """One block under a word of splines. Raises WordError, CurveError."""
+        """One block under a word of splines. Raises BlockError, CurveError."""
         if not numbers:
             return
         kind = self.state.motion
@@ -70,7 +71,7 @@ class Splines:
     def _target(self, numbers: Numbers) -> tuple[list[float], int]:
         target, named = self.motion.target(numbers)
         if target[3:] != self.control.words[3:]:
-            raise WordError("a spline cannot turn the rotary axes: let the CAM system write lines")
+            raise BlockError("a spline cannot turn the rotary axes: let the CAM system write lines")
         return target, named
 
     def _offset(self, numbers: Numbers, letters: str) -> tuple[float, float] | None:
@@ -79,22 +80,22 @@ class Splines:
         if values == [None, None]:
             return None
         if None in values:
-            raise WordError(f"of {letters[0]} and {letters[1]} one is missing: a spline takes both")
+            raise BlockError(f"of {letters[0]} and {letters[1]} one is missing: a spline takes both")
         return (values[0] or 0.0) * self.state.unit, (values[1] or 0.0) * self.state.unit
 
     def _need_plane(self) -> None:
         if self.state.plane:
-            raise WordError("splines lie in the plane of G17: write it before them")
+            raise BlockError("splines lie in the plane of G17: write it before them")
 
     def _cubic(self, numbers: Numbers, number: float | None) -> None:
         """G5 X Y I J P Q: control points by their distances from the start and from the end."""
         self._need_plane()
         first, second = self._offset(numbers, "IJ"), self._offset(numbers, "PQ")
         if second is None:
-            raise WordError("G5 needs its second control point: write P and Q, from the end to it")
+            raise BlockError("G5 needs its second control point: write P and Q, from the end to it")
         if first is None:
             if self.behind is None:
-                raise WordError("the first G5 needs its first control point: write I and J, from the start to it")
+                raise BlockError("the first G5 needs its first control point: write I and J, from the start to it")
             first = (-self.behind[0], -self.behind[1])
         start = self.control.words[:3]
         target, named = self._target(numbers)
@@ -108,7 +109,7 @@ class Splines:
         self._need_plane()
         off = self._offset(numbers, "IJ")
         if off is None:
-            raise WordError("G5.1 needs its control point: write I and J, from the start to it")
+            raise BlockError("G5.1 needs its control point: write I and J, from the start to it")
         start = self.control.words[:3]
         target, named = self._target(numbers)
         self._curve([[start[0] + off[0], start[1] + off[1], start[2]]], target, named, number)
@@ -119,7 +120,7 @@ class Splines:
         weight = numbers.pop("P" if kind == NURBS else "R", 1.0)
         if kind == BY_KNOTS:
             if "K" not in numbers:
-                raise WordError("a block of G6.2 needs its knot: write K")
+                raise BlockError("a block of G6.2 needs its knot: write K")
             made.knots.append(numbers.pop("K"))
             if not numbers and made.points:
                 return
@@ -127,7 +128,7 @@ class Splines:
             made.weights[0] = weight  # of the place where the spline begins
             return
         if not self.state.absolute:
-            raise WordError("control points under G91 are not read: write them under G90")
+            raise BlockError("control points under G91 are not read: write them under G90")
         present = self.control.words
         self.control.words = made.end or present
         try:
@@ -138,7 +139,7 @@ class Splines:
         made.points.append(made.end[:3])
         made.weights.append(weight)
         if len(made.points) > _MOST_POINTS:
-            raise WordError(f"a spline of more than {_MOST_POINTS} control points is not read: write several")
+            raise BlockError(f"a spline of more than {_MOST_POINTS} control points is not read: write several")
 
     def _opened(self, numbers: Numbers, number: float | None, kind: str) -> Opened:
         if self.opened is None:
@@ -146,7 +147,7 @@ class Splines:
                 self._need_plane()
             order = numbers.pop("L" if kind == NURBS else "P", _USUAL_ORDER[kind])
             if order != int(order):
-                raise WordError("the order of a spline is a whole number: correct it")
+                raise BlockError("the order of a spline is a whole number: correct it")
             self.opened = Opened(kind, self.control.line, number, int(order))
             if kind == NURBS:  # it begins where the tool is
                 self.opened.points, self.opened.weights = [list(self.control.words[:3])], [1.0]

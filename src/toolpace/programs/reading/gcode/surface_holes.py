@@ -12,7 +12,8 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers
+from toolpace.programs.reading.language.expressions import BlockError
 
 LETTERS = ("X", "Y", "Z", "B", "I", "J", "K", "K1", "I1", "F2")
 """Words of a cycle that is defined."""
@@ -57,7 +58,7 @@ class SurfaceHoles:
         """G79: the cycle at X, Y; Z is the surface, and stays."""
         control, unit, words = self.control, self.state.unit, self.words
         if "Z" not in words or "Y" not in words:
-            raise WordError(f"{word} runs a cycle, and none is defined: write G81 Y.. Z.. before it")
+            raise BlockError(f"{word} runs a cycle, and none is defined: write G81 Y.. Z.. before it")
         target, _ = self.motion.target(numbers)
         if "Z" in numbers or self.surface is None:
             self.surface = target[2]

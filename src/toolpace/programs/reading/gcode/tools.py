@@ -6,7 +6,8 @@ from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 WHERE_CHANGED = (
     "M6 leaves the axes where they are: a Haas goes to Z zero before it, others as their builders chose (write G28 or "
@@ -72,9 +73,9 @@ class Tools:
         """M61: the tool in the spindle is this one, without a change."""
         number = numbers.pop("Q", None)
         if number is None or number != int(number) or number < 0:
-            raise WordError(f"{word} needs the number of the tool as Q: write it like {word} Q5")
+            raise BlockError(f"{word} needs the number of the tool as Q: write it like {word} Q5")
         if self.rs274 and self.state.drills_here and not numbers.keys().isdisjoint("XYZ"):
-            raise WordError(f"{word} and a cycle may take the same letters: write two blocks")
+            raise BlockError(f"{word} and a cycle may take the same letters: write two blocks")
         self.control.change_tool(f"{number:g}")
 
     def length(self, numbers: Numbers, word: str) -> None:
@@ -123,7 +124,7 @@ class Tools:
         control, state = self.control, self.state
         words = numbers.pop("H", None)
         if words is not None and not (words >= 0.0 and words == int(words)):
-            raise WordError(f"H{words:g} of {word} is no number of a tool: write a whole one, from 0")
+            raise BlockError(f"H{words:g} of {word} is no number of a tool: write a whole one, from 0")
         if words == 0.0 and self.rs274:
             words, state.length_word = None, None
         if words is not None or not self.h_stays:
@@ -154,13 +155,13 @@ class Tools:
         tool = numbers.pop("H", None)
         words = self._offset_words(numbers, word)
         if tool is not None and words:
-            raise WordError(f"{word} has the number of a tool as H, or axes: write one of both")
+            raise BlockError(f"{word} has the number of a tool as H, or axes: write one of both")
         if tool is None and not words:
-            raise WordError(f"{word} needs the number of a tool as H: write it like {word} H5")
+            raise BlockError(f"{word} needs the number of a tool as H: write it like {word} H5")
         if tool:
             found = control.setup.tool(f"{tool:g}")
             if found is None:
-                raise WordError(f"{word} H{tool:g} is not on the set-up sheet: list the tool there")
+                raise BlockError(f"{word} H{tool:g} is not on the set-up sheet: list the tool there")
             offset[2] += found.length
         for slot, value in words.items():
             offset[slot] += value

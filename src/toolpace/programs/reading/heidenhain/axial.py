@@ -13,7 +13,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.coordinates.kinematics import near
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
+from toolpace.programs.reading.language.expressions import BlockError
 
 HEAD = (
     "write PLANE SPATIAL or PLANE VECTOR: where two axes turn the tool, or one that is not across it, axis positions "

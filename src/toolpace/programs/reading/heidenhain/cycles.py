@@ -12,10 +12,11 @@ from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.tilting import MOST_ANGLE, Tilting
+from toolpace.programs.reading.language.expressions import BlockError
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
 _ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:((?:F\s*)?(?:MAX|AUTO)|PREDEF)|(" + VALUE + "))")

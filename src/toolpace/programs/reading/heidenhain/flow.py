@@ -11,9 +11,10 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError, named
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, UnsetError, named
 from toolpace.programs.reading.heidenhain.klartext.program import Program, beside, label_of
 from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.language.flow import CALL, MAIN, CallStack, Frame
 
 PROGRAM = "program"

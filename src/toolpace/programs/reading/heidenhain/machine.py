@@ -17,9 +17,9 @@ from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import Function, PathWords, code_of
 from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.language.expressions import BlockError
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
 UNTILTED = (

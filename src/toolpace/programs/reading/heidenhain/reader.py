@@ -12,10 +12,11 @@ from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.heidenhain.flow import Flow
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, UnsetError
 from toolpace.programs.reading.heidenhain.klartext.program import Program
 from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.statements import Statements
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.source import Source
 

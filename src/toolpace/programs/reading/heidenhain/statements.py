@@ -18,13 +18,14 @@ from toolpace.programs.reading.heidenhain.flow import Flow, Jumps
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.functions import ModeFunctions
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, named
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, named
 from toolpace.programs.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
 from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.tilting import Tilting
 from toolpace.programs.reading.heidenhain.tools import Tools
+from toolpace.programs.reading.language.expressions import BlockError
 
 _FIRST = re.compile(r"[A-Z]+|\*")
 _HEADER = re.compile(r"PGM\s+(.*?)\s*(MM|INCH|IN)?$")

@@ -16,9 +16,10 @@ from toolpace.programs.reading.heidenhain.axial import HEAD, AxialAngles
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.frames import Frames, euler, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
+from toolpace.programs.reading.language.expressions import BlockError
 
 _WORD = re.compile(
     r"\s*(?:(TURN|MOVE|STAY|F\s*MAX|F\s*AUTO|MAX|SEQ\s*[-+]|SYM\s*[-+]|COORD\s+ROT|TABLE\s+ROT|ROT(?=\s+F)|MB(?=\s+MAX))"

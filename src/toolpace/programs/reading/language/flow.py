@@ -1,7 +1,7 @@
 """The flow from block to block: labels, loops and choices with their ends, calls and repetitions with their limits.
 
 Calls and repetitions are frames of one stack, never Python's own: a program that calls itself without end is told by
-the number of its levels, and one that loops without end by its blocks (`execution_limit.py`).
+the number of its levels, and one that loops without end by its blocks (`control/state.py`).
 """
 
 from __future__ import annotations

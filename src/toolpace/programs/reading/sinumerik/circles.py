@@ -18,8 +18,9 @@ from toolpace.programs.reading.arcs import (
 )
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates.affine import cross
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import Point, State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
 
 MOST_TURNS = 999
@@ -40,7 +41,7 @@ NEAR = 1e-6
 def circle(
     control: Control, state: State, words: Words, target: list[float], *, named: int = 0, polar: bool = False
 ) -> Arc:
-    """Arc of G2 or G3 to the target, which AR may set; in the program's coordinates. Raises ArcError, ValueFault.
+    """Arc of G2 or G3 to the target, which AR may set; in the program's coordinates. Raises ArcError, BlockError.
 
     named: bits of the axes of the plane that the block names.
 
@@ -52,7 +53,7 @@ def circle(
     turn = number(words, "TURN", 0.0) or 0.0
     radius, opening = number(words, "CR"), number(words, "AR")
     if opening is not None and (radius is not None or (named and not words.keys().isdisjoint("IJK"))):
-        raise ValueFault("AR takes the end of the arc, or its centre, not both, nor CR (alarm 14900): remove one")
+        raise BlockError("AR takes the end of the arc, or its centre, not both, nor CR (alarm 14900): remove one")
     if radius is not None:
         centre = centre_of_radius(start, target, radius * state.unit, plane, clockwise)
         _leave_out(words, "CR")
@@ -108,7 +109,7 @@ def _turns(control: Control, arc: Arc, turn: float) -> int:
     Where the end is the start nothing is left behind them: TURN=1 is one circle, as posts for thread mills mean it.
     """
     if not 0.0 <= turn <= MOST_TURNS:
-        raise ValueFault(f"{_ENDLESS}, not {turn:g}")
+        raise BlockError(f"{_ENDLESS}, not {turn:g}")
     circle_whole = arc.sweep > 2.0 * math.pi - ROUNDING
     if turn == int(turn):
         if circle_whole and turn:
@@ -130,24 +131,24 @@ def _centre(control: Control, state: State, words: Words) -> list[float]:
         if word is None:
             continue
         if word.form not in ("", "AC", "IC"):
-            raise ValueFault(f"{letter}={word.form}() has no meaning: write {letter}=AC() or {letter}=IC()")
+            raise BlockError(f"{letter}={word.form}() has no meaning: write {letter}=AC() or {letter}=IC()")
         if slot not in PLANE_AXES[state.plane]:
             if bounded(word, letter):
                 plane = ("G17", "G18", "G19")[state.plane]
-                raise ValueFault(f"{letter} has no meaning for an arc in the plane of {plane}: check the plane")
+                raise BlockError(f"{letter} has no meaning for an arc in the plane of {plane}: check the plane")
             continue
         value = bounded(word, letter) * state.unit
         centre[slot] = value if word.form == "AC" else centre[slot] + value
         named = True
     if not named:
-        raise ValueFault("the arc lacks its centre: write I, J or K, or CR=")
+        raise BlockError("the arc lacks its centre: write I, J or K, or CR=")
     return centre
 
 
 def _leave_out(words: Words, other: str) -> None:
     for letter in "IJK":
         if words.pop(letter, None) is not None:
-            raise ValueFault(f"an arc has {other}, or I, J, K, not both: remove one")
+            raise BlockError(f"an arc has {other}, or I, J, K, not both: remove one")
 
 
 def _centre_of_opening(
@@ -175,7 +176,7 @@ def _end_of_opening(
 
 def _refuse_opening(opening: float) -> None:
     if not 0.0 < opening < 2.0 * math.pi:
-        raise ValueFault(f"AR={opening / DEGREE:g} must lie between 0 and 360: a full circle needs I, J, K")
+        raise BlockError(f"AR={opening / DEGREE:g} must lie between 0 and 360: a full circle needs I, J, K")
 
 
 def through(control: Control, state: State, words: Words, target: list[float]) -> Arc | None:
@@ -209,23 +210,23 @@ def tangent(control: Control, state: State, target: list[float]) -> Arc | None:
     """Arc of CT: it leaves in the direction of the last motion; None where that leads straight to the end."""
     first, second = PLANE_AXES[state.plane]
     if state.tangent is None:
-        raise ValueFault("CT needs a motion before it, whose direction it goes on in: write one, or G2 with I, J, K")
+        raise BlockError("CT needs a motion before it, whose direction it goes on in: write one, or G2 with I, J, K")
     start = control.words
     t, u = state.tangent[first], state.tangent[second]
     size = math.hypot(t, u)
     c, d = target[first] - start[first], target[second] - start[second]
     if size < ROUNDING or math.hypot(c, d) < ROUNDING:
-        raise ValueFault("CT needs a motion before it in its plane, and an end that is not its start: correct it")
+        raise BlockError("CT needs a motion before it in its plane, and an end that is not its start: correct it")
     found = tangent_centre(start, target, (t / size, u / size), state.plane)
     if found is None:
         if t * c + u * d < 0:
-            raise ValueFault("CT cannot go straight back: correct its end")
+            raise BlockError("CT cannot go straight back: correct its end")
         return None
     return plane_arc(start, target, found[0], state.plane, found[1])
 
 
 def end_by_pole(state: State, words: Words, target: list[float]) -> int:
-    """Set the end (3 + rotary) of a motion by AP and RP; bits of the axes that they set. Raises ValueFault."""
+    """Set the end (3 + rotary) of a motion by AP and RP; bits of the axes that they set. Raises BlockError."""
     angle, radius = words.pop("AP", None), _radius(words, "14200")
     if state.polar_plane != state.plane:
         state.lose_pole()
@@ -252,15 +253,15 @@ def _last_value(value: float | None, missing: str) -> float:
     """AP lasts "until a new pole is defined or the working plane is changed", RP until another is written (NC
     Programming 12/2019, 2.9.3.2)."""
     if value is None:
-        raise ValueFault(f"{missing} was told since the pole and the plane: write it as an absolute value")
+        raise BlockError(f"{missing} was told since the pole and the plane: write it as an absolute value")
     return value
 
 
 def _need_radius(state: State, distance: float) -> None:
-    """ValueFault where AP stands alone and the tool is not RP from the pole: of which the circle is, is not told."""
+    """BlockError where AP stands alone and the tool is not RP from the pole: of which the circle is, is not told."""
     if state.polar_radius is not None and abs(state.polar_radius - distance) > NEAR:
         is_now, was = distance / state.unit, state.polar_radius / state.unit
-        raise ValueFault(f"AP without RP: RP was {was:.4g}, and the tool is {is_now:.4g} from the pole; write RP too")
+        raise BlockError(f"AP without RP: RP was {was:.4g}, and the tool is {is_now:.4g} from the pole; write RP too")
 
 
 def set_pole(state: State, present: list[float], code: str, words: Words) -> None:
@@ -281,7 +282,7 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
         pole[first] += radius * math.cos(angle)
         pole[second] += radius * math.sin(angle)
     if beyond:
-        raise ValueFault(f"{code} with {beyond[0]} (alarm 14270): write two axes of the plane, or AP and RP")
+        raise BlockError(f"{code} with {beyond[0]} (alarm 14270): write two axes of the plane, or AP and RP")
     for slot, letter in enumerate("XYZ"):
         pole[slot] += (number(words, letter, 0.0) or 0.0) * state.unit
     made: Point = (pole[0], pole[1], pole[2])
@@ -291,14 +292,14 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
 def _radius(words: Words, alarm: str) -> float | None:
     radius = number(words, "RP")
     if radius is not None and radius < 0.0:
-        raise ValueFault(f"RP={radius:g} is below zero (alarm {alarm}): correct it")
+        raise BlockError(f"RP={radius:g} is below zero (alarm {alarm}): correct it")
     return radius
 
 
 def _angle(word: WordValue, alarm: str) -> float:
     if word.form not in ("", "AC", "IC"):
-        raise ValueFault(f"AP={word.form}() has no meaning: write AP=AC() or AP=IC()")
+        raise BlockError(f"AP={word.form}() has no meaning: write AP=AC() or AP=IC()")
     angle = bounded(word, "AP")
     if abs(angle) > 360.0:
-        raise ValueFault(f"AP={angle:g} is beyond 360 (alarm {alarm}): correct it")
+        raise BlockError(f"AP={angle:g} is beyond 360 (alarm {alarm}): correct it")
     return angle

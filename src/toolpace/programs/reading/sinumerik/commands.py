@@ -8,13 +8,14 @@ from collections.abc import Callable
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.machine_moves import reference
 from toolpace.programs.reading.coordinates.affine import IDENTITY
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.holes import Holes
 from toolpace.programs.reading.sinumerik.cycles.patterns import places
 from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
 from toolpace.programs.reading.sinumerik.cycles.threads import mill_thread
 from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run
-from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
+from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, text
 from toolpace.programs.reading.sinumerik.word_values import Arguments, Words, number
 
 OLD_MODE = 1000
@@ -57,7 +58,7 @@ class Commands:
         self._exact_stop_before: bool | None = None
 
     def perform(self, name: str, values: list[Value | None]) -> None:
-        """Do a command. Raises Unread, ValueFault."""
+        """Do a command. Raises Unread, BlockError."""
         try:
             if name in STILL:
                 self.known[name](values)
@@ -65,7 +66,7 @@ class Commands:
                 with self.run.motion.placed(frames=name == "CYCLE800"):
                     self.known[name](values)
         except ArcError as error:
-            raise ValueFault(f"{name}: {error}") from None
+            raise BlockError(f"{name}: {error}") from None
 
     def _cycle(self, name: str) -> Callable[[list[Value | None]], None]:
         def perform(values: list[Value | None]) -> None:
@@ -86,7 +87,7 @@ class Commands:
         arguments = Arguments("TRAORI", values, 6)
         number = arguments.code(0, 1)
         if not 1 <= number <= MOST_TRANSFORMATIONS:
-            raise ValueFault(f"TRAORI({number}): transformations are numbered from 1: write TRAORI(1)")
+            raise BlockError(f"TRAORI({number}): transformations are numbered from 1: write TRAORI(1)")
         if number > 1:
             self.control.findings.assumed(f"TRAORI({number}) is the transformation of the machine, as TRAORI(1) is")
         x, y, z = (arguments.number(place) for place in (1, 2, 3))
@@ -105,7 +106,7 @@ class Commands:
                 (state.compensation != "G40", "G41 or G42 (alarm 14400): write G40 before"),
             ):
                 if fault:
-                    raise ValueFault(f"TRAORI and TRAFOOF under {cure}")
+                    raise BlockError(f"TRAORI and TRAFOOF under {cure}")
         if on and not coordinates.tip_mode and self.run.frames.tilted:
             self.control.findings.assumed(BOTH)
         elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != IDENTITY):
@@ -116,7 +117,7 @@ class Commands:
     def _initial_orientation(self, values: list[Value | None]) -> None:
         """ORIRESET(first, second): the rotary axes to these positions, or to zero, whatever frames shift them."""
         if not self.control.coordinates.tip_mode:
-            raise ValueFault("ORIRESET needs TRAORI (alarm 14101): switch it on before")
+            raise BlockError("ORIRESET needs TRAORI (alarm 14101): switch it on before")
         wanted = initial_rotary(self.control, Arguments("ORIRESET", values, 3))
         self.control.straight([*self.control.words[:3], *wanted], 0, rapid=self.state.motion == "G0")
 
@@ -169,7 +170,7 @@ class Commands:
     def _thread(self, values: list[Value | None]) -> None:
         need_turned(self.control, self.run.frames)
         if self.run.tooling.edge == 0:
-            raise ValueFault("CYCLE90 reckons with the radius of the tool, and D0 with none (alarm 61000): write D1")
+            raise BlockError("CYCLE90 reckons with the radius of the tool, and D0 with none (alarm 61000): write D1")
         # the cycle compensates itself, whatever path G41 follows
         tool = self.control.setup.tool(self.control.tool)
         mill_thread(values, self.control, self.state, None if tool is None else tool.radius)

@@ -18,9 +18,10 @@ from toolpace.programs.reading.compensation.stage import (
     Rules,
 )
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import Axis, ValueFault, shown
+from toolpace.programs.reading.sinumerik.syntax.values import Axis, shown
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 LENGTH_STAYS = (
@@ -60,14 +61,14 @@ class Tooling:
         if word is not None:
             value = word.value
             if isinstance(value, (tuple, bool, Axis)):
-                raise ValueFault(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
+                raise BlockError(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
             self.selected = value.strip() if isinstance(value, str) else f"{value:g}"
             if self.at_once:
                 self.change()
         edge = number(words, "D")
         if edge is not None:
             if edge != round(edge) or edge < 0.0:
-                raise ValueFault(f"D{edge:g} is no number of a cutting edge (alarm 14090): write D1, or D0 for none")
+                raise BlockError(f"D{edge:g} is no number of a cutting edge (alarm 14090): write D1, or D0 for none")
             self._refuse_within(f"D{edge:g}")
             self.edge = round(edge)
             if self.edge > 1 and self.control.setup.tools:
@@ -81,7 +82,7 @@ class Tooling:
         if allowance is not None:
             self._refuse_within("OFFN")
             if allowance and self.state.unit == INCH and self.state.feed_unit is None:
-                raise ValueFault("OFFN under G70: whether it is in inches is not told; write G700 or G71")
+                raise BlockError("OFFN under G70: whether it is in inches is not told; write G700 or G71")
             self.state.allowance = allowance * self.state.unit
         spindle = number(words, "S")
         if spindle is not None:
@@ -97,7 +98,7 @@ class Tooling:
 
     def _refuse_within(self, what: str) -> None:
         if isinstance(self.control.stage, OffsetStage):
-            raise ValueFault(f"{what} while the radius is compensated is not read: write G40 before it")
+            raise BlockError(f"{what} while the radius is compensated is not read: write G40 before it")
 
     @property
     def radius(self) -> float | None:
@@ -120,10 +121,10 @@ class Compensation:
         self.control, self.state, self.tooling = control, state, tooling
 
     def take(self, code: str) -> None:
-        """G40, G41, G42. Raises ValueFault."""
+        """G40, G41, G42. Raises BlockError."""
         control, state, stage = self.control, self.state, self.control.stage
         if isinstance(stage, Suppressed):
-            raise ValueFault(f"{code} while CUTCONON suppresses the compensation is not read: write CUTCONOF before it")
+            raise BlockError(f"{code} while CUTCONON suppresses the compensation is not read: write CUTCONOF before it")
         follower = stage if isinstance(stage, Follower) else None
         state.compensation = code
         if code == "G40":
@@ -138,12 +139,12 @@ class Compensation:
         elif follower is None:
             self._begin(code, radius + state.allowance)
         elif follower.side != SIDES[code]:
-            raise ValueFault(f"{code} changes the side of the tool while it compensates: write G40 before it")
+            raise BlockError(f"{code} changes the side of the tool while it compensates: write G40 before it")
 
     def _begin(self, code: str, distance: float) -> None:
         """Follow the contour at a distance [m]: radius and allowance."""
         if distance < 0.0:
-            raise ValueFault(f"radius and OFFN come to {distance * 1e3:.6g} mm: correct them")
+            raise BlockError(f"radius and OFFN come to {distance * 1e3:.6g} mm: correct them")
         if distance:
             self._refuse_unread(code)
             follow(self.control, SIDES[code], distance, self.state.plane, self.rules())
@@ -180,7 +181,7 @@ class Compensation:
             stage.follower.rules = self.rules()
 
     def suppress(self, code: str) -> None:
-        """CUTCONON and CUTCONOF. Raises ValueFault."""
+        """CUTCONON and CUTCONOF. Raises BlockError."""
         stage = self.control.stage
         if code == "CUTCONOF":
             if isinstance(stage, Suppressed):
@@ -191,11 +192,11 @@ class Compensation:
         elif isinstance(stage, Follower):
             self.control.stage = Suppressed(stage)
         elif self.state.compensation == "G40" or self.tooling.as_programmed:
-            raise ValueFault("CUTCONON stands where no radius is compensated: write it behind G41 or G42")
+            raise BlockError("CUTCONON stands where no radius is compensated: write it behind G41 or G42")
 
     def _refuse_bypass(self) -> None:
         if self.state.approach != "NORM":
-            raise ValueFault(f"CUTCONOF under {self.state.approach} goes round the contour: write NORM before it")
+            raise BlockError(f"CUTCONOF under {self.state.approach} goes round the contour: write NORM before it")
 
     def _refuse_unread(self, code: str) -> None:
         control, state = self.control, self.state

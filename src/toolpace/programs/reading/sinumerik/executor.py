@@ -10,6 +10,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
@@ -19,7 +20,7 @@ from toolpace.programs.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.programs.reading.sinumerik.run import Modal, Run
 from toolpace.programs.reading.sinumerik.state import MODES, TOLERANCES, apply, fault_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real, shown
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, real, shown
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, check_settled, number
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
@@ -105,11 +106,11 @@ class Executor:
         return restore
 
     def execute(self, block: Block) -> bool:
-        """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        """Do what a block says; whether it programmed an axis of the path. Raises Unread, BlockError."""
         if self.motion.splines.points and (block.calls or set(block.codes) - {"BSPLINE"}):
             self.motion.splines.close()
         if len(block.codes) > 1 and (fault := fault_of(block.codes)):
-            raise ValueFault(fault)
+            raise BlockError(fault)
         words = self._words(block)
         if block.assignments:
             self._assign(block)
@@ -149,11 +150,11 @@ class Executor:
         return moved
 
     def _alone(self, block: Block, words: Words) -> None:
-        """ValueFault where a cycle or a command that moves, or changes coordinates, stands beside words of axes."""
+        """BlockError where a cycle or a command that moves, or changes coordinates, stands beside words of axes."""
         for name in (*(call.name for call in block.calls), *block.codes):
             if name in self.commands.known and name not in STILL and self.motion.has_axes(words):
                 address = next((address for address in words if address in AXES), next(iter(words)))
-                raise ValueFault(f"{name} beside {address}: which of them is first is not told; write two blocks")
+                raise BlockError(f"{name} beside {address}: which of them is first is not told; write two blocks")
 
     def _words(self, block: Block) -> Words:
         if block.plain:
@@ -267,7 +268,7 @@ class Executor:
                 self.commands.reference(code, words)
         for address in words:
             if address in AXES:
-                raise ValueFault(f"{code} beside {address}: no motion stands there; write it in another block")
+                raise BlockError(f"{code} beside {address}: no motion stands there; write it in another block")
 
     def _move(self, now: Now) -> bool:
         words, moved = now.words, False
@@ -278,7 +279,7 @@ class Executor:
             elif self.motion.has_axes(words):
                 moved = self.motion.execute(words, stop=stop)
         except (ArcError, CornerError) as error:
-            raise ValueFault(str(error)) from None
+            raise BlockError(str(error)) from None
         for address, word in words.items():
             self._left(address, word.value)
         return moved
@@ -318,20 +319,20 @@ class FeedWords:
         """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
         seconds, turns = number(words, "F"), number(words, "S")
         if words:
-            raise ValueFault(f"G4 beside {next(iter(words))}: write G4 in a block of its own (alarm 12120)")
+            raise BlockError(f"G4 beside {next(iter(words))}: write G4 in a block of its own (alarm 12120)")
         if seconds is None and turns is None:
-            raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
+            raise BlockError("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
         if seconds is None and turns is not None:
             if self.control.feed.spindle <= 0.0:
-                raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
+                raise BlockError("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
             seconds = turns / self.control.feed.spindle
         self.control.dwell(seconds or 0.0)
 
     def override(self, words: Words) -> None:
-        """OVR: the share of F [percent] that feed motions have from here on. Raises ValueFault."""
+        """OVR: the share of F [percent] that feed motions have from here on. Raises BlockError."""
         share = (number(words, "OVR") or 0.0) / 100.0
         if not 0.0 < share <= MOST_SHARE:
-            raise ValueFault(f"OVR={share * 100.0:g} is the share of F in percent: write more than 0, 200 at most")
+            raise BlockError(f"OVR={share * 100.0:g} is the share of F in percent: write more than 0, 200 at most")
         feed, changed = self.control.feed, share / self.share
         if feed.value is not None:
             feed.value, feed.turn = feed.value * changed, feed.turn * changed
@@ -358,7 +359,7 @@ class FeedWords:
         feed, state = self.control.feed, self.state
         if feed.mode == INVERSE:
             if not 0.0 < value <= 1e9:
-                raise ValueFault(f"feed F{value:g} must be above zero: correct F")
+                raise BlockError(f"feed F{value:g} must be above zero: correct F")
             state.inverse = value * self.share
             return
         if state.feed_unit is None and state.base_unit is None and state.unit != MILLIMETRE:

@@ -11,13 +11,13 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import (
     SLOTS,
     Axis,
     Unread,
     Value,
-    ValueFault,
     mirror,
     real,
     rotation,
@@ -142,10 +142,10 @@ class Frames:
             self.put()
 
     def program(self, code: str, words: Words) -> None:
-        """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
+        """TRANS X10, AROT Z30, ...: the words of its block. Raises BlockError."""
         for letter, word in words.items():
             if word.form not in ("", "AC"):
-                raise ValueFault(f"{letter}={word.form}() of {code}: write the number alone")
+                raise BlockError(f"{letter}={word.form}() of {code}: write the number alone")
         kind = code[1:] if code[0] == "A" else code
         if code == kind:
             if code == "TRANS" and any(self.fine) and words:
@@ -209,10 +209,10 @@ class Frames:
         self.put()
 
     def write(self, index: tuple[Value, ...], value: Value, unit: float) -> None:
-        """$P_UIFR[n]=frame, $P_UIFR[n, X, TR]=5: they act at the next G54. Raises ValueFault."""
+        """$P_UIFR[n]=frame, $P_UIFR[n, X, TR]=5: they act at the next G54. Raises BlockError."""
         place = whole(index[0]) if index else 1
         if place not in SETTABLE:
-            raise ValueFault(f"$P_UIFR[{place}] does not exist: 0 is G500, 1 to 4 are G54 to G57, 5 to 99 G505 to G599")
+            raise BlockError(f"$P_UIFR[{place}] does not exist: 0 is G500, 1 to 4 are G54 to G57, 5 to 99 G505 to G599")
         if self.control.setup.offsets:
             raise Unread("$P_UIFR", "the set-up sheet says where the offsets are: remove them there, or this here")
         self.control.findings.assumed("the first settable offset that the program writes is the origin of the part")
@@ -230,7 +230,7 @@ class Frames:
         self.settable[place] = affine.product(affine.shift(by), present)
 
     def write_programmed(self, index: tuple[Value, ...], value: Value, unit: float) -> None:
-        """$P_PFRAME=frame, $P_PFRAME[X, TR]=5: in force at once (K2, "$P_PFRAME"). Raises ValueFault, Unread."""
+        """$P_PFRAME=frame, $P_PFRAME[X, TR]=5: in force at once (K2, "$P_PFRAME"). Raises BlockError, Unread."""
         if index:
             slot, part = _shifted_axis("$P_PFRAME[", index, ("TR", "FI"))
             if part == "TR":
@@ -267,7 +267,7 @@ def _with(values: list[float], place: int, value: float) -> list[float]:
 
 def _frame(name: str, value: Value) -> Matrix:
     if not isinstance(value, tuple) or isinstance(value, Axis):
-        raise ValueFault(f"{name} is a frame: assign one, like CTRANS(X,10)")
+        raise BlockError(f"{name} is a frame: assign one, like CTRANS(X,10)")
     return value
 
 

@@ -12,13 +12,14 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, Corners
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.control.machine_moves import straight_in_machine
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik import circles
 from toolpace.programs.reading.sinumerik.circles import LETTERS, end_by_pole
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors, turned_alone
 from toolpace.programs.reading.sinumerik.splines import BSplines
 from toolpace.programs.reading.sinumerik.state import GREAT_CIRCLE, State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
@@ -96,7 +97,7 @@ class Motion:
         corner = self._corner(words)
         vector = self.vectors.taken(words)
         if vector is not None and turned:
-            raise ValueFault("a block turns the tool by rotary words or by a vector (A3=, A2=), not both (alarm 14111)")
+            raise BlockError("a block turns the tool by rotary words or by a vector (A3=, A2=), not both (alarm 14111)")
         arcs = state.motion in ("G2", "G3", "CIP", "CT")
         if not len(control.moves):
             self._first(arcs)
@@ -170,7 +171,7 @@ class Motion:
         if "AP" in words or "RP" in words:
             polar = end_by_pole(self.state, words, target)
             if polar & named:
-                raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
+                raise BlockError("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
             unsure.difference_update(PLANE_AXES[self.state.plane])
         self.unsure = unsure
@@ -182,7 +183,7 @@ class Motion:
         value *= self.state.unit if slot < 3 else DEGREE
         if form == "IC" or (not form and not self.state.absolute):
             if slot in self.unsure:
-                raise ValueFault(
+                raise BlockError(
                     f"{address} is a distance, and {address} was not named since a frame or a length changed and "
                     f"something else moved: whether that shift counts is not told; write {address}=AC() once before"
                 )
@@ -190,7 +191,7 @@ class Motion:
         if form in ("", "AC"):
             return value
         if slot < 3:
-            raise ValueFault(f"{address}={form}() is for rotary axes: write {address}=AC()")
+            raise BlockError(f"{address}={form}() is for rotary axes: write {address}=AC()")
         present, turn = self.control.words[slot], 2.0 * math.pi
         if value < 0.0 or value >= turn - 1e-12:
             self.control.findings.assumed(
@@ -253,7 +254,7 @@ class Motion:
             value = number(words, letter)
             lead = value if value is not None else lead
         if not lead or self.control.feed.spindle <= 0.0:
-            raise ValueFault(f"{self.state.motion} needs its lead as K and the spindle speed as S: write both")
+            raise BlockError(f"{self.state.motion} needs its lead as K and the spindle speed as S: write both")
         with self.control.feed.held(abs(lead) * self.state.unit * self.control.feed.spindle):
             self.control.straight(target, named, rapid=False)
         self.control.stop()
@@ -263,13 +264,13 @@ class Motion:
         """SUPA, G53, G153: a motion to machine coordinates."""
         control = self.control
         if self.state.motion not in ("G0", "G1"):
-            raise ValueFault("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
+            raise BlockError("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
         coordinates = {}
         for address in [address for address in words if len(address) == 1 and address in LETTERS]:
             word = words.pop(address)
             slot = control.slot(address)
             if word.form == "IC" or (not word.form and not self.state.absolute):
-                raise ValueFault(
+                raise BlockError(
                     f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()"
                 )
             coordinates[address] = bounded(word, address) * (self.state.unit if slot < 3 else DEGREE)

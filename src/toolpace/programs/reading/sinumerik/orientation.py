@@ -18,9 +18,10 @@ from toolpace.programs.reading.control.machine_moves import (
 from toolpace.programs.reading.control.unroll import AXIS_GAP
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix, cross
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
@@ -54,14 +55,14 @@ class Vectors:
         if len(words) == 0 or not self.asked(words):
             return None
         if not self.control.coordinates.tip_mode:
-            raise ValueFault("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
+            raise BlockError("tool vectors (A3=, A2=) need TRAORI: switch it on before them")
         if not OF_VECTOR.isdisjoint(words):
             vector = [number(words, address) or 0.0 for address in VECTOR]
         else:
             a, b, c = ((number(words, address) or 0.0) * DEGREE for address in ANGLES)
             vector = self._by_angles(a, b, c)
         if math.hypot(*vector) < 1e-6:
-            raise ValueFault("the tool vector is zero: give the direction from the tip to the spindle")
+            raise BlockError("the tool vector is zero: give the direction from the tip to the spindle")
         return direction_on_part(self.control, vector)
 
     def _by_angles(self, a: float, b: float, c: float) -> list[float]:
@@ -119,7 +120,7 @@ class Vectors:
         control = self.control
         shift = control.placement.shift or (0.0,) * len(rotary)
         if sum(x * y for x, y in zip(first, last)) < -1.0 + ROUNDING:
-            raise ValueFault("the tool vector is opposite to the one before: no plane holds its way; write one between")
+            raise BlockError("the tool vector is opposite to the one before: no plane holds its way; write one between")
         done: list[tuple[float, list[float]]] = []
         begin, here = 0.0, list(rotary)
         ends = [(1.0, 0)]
@@ -128,7 +129,7 @@ class Vectors:
             axis = last if share == 1.0 else between(first, last, share)
             wanted, fault = control.orientation.rotary(axis, [x + y for x, y in zip(here, shift)])
             if fault:
-                raise ValueFault(fault)
+                raise BlockError(fault)
             words = [x - y for x, y in zip(wanted, shift)]
             turned = sum(abs(y - x) for x, y in zip(here, words))
             # each way leaves its chord by at most the square of the turn over eight: below this both are one
@@ -164,13 +165,13 @@ def between(a: list[float], b: list[float], share: float) -> list[float]:
 def along(direction: Sequence[float], rule: str = BOTH) -> Matrix:
     """The turn of coordinates that brings their Z axis to a unit vector (3,), with X and Y as a rule has them.
 
-    Raises ValueFault where the rule tells no X or Y.
+    Raises BlockError where the rule tells no X or Y.
     """
     x, y, z = direction
     if rule == BOTH:
         # X and Y are equally far from the old planes when the turn is the least one: its axis lies in the old XY plane
         if 1.0 + z < ROUNDING:
-            raise ValueFault("the tool points against Z: no frame along it is told; turn the frame with ROT before")
+            raise BlockError("the tool points against Z: no frame along it is told; turn the frame with ROT before")
         rows = [
             [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), x],
             [-x * y / (1.0 + z), 1.0 - y * y / (1.0 + z), y],
@@ -179,7 +180,7 @@ def along(direction: Sequence[float], rule: str = BOTH) -> Matrix:
         return affine.linear(rows)
     size = math.hypot(x, z) if rule == X_IN_ZX else math.hypot(y, z)
     if size < ROUNDING:
-        raise ValueFault("the tool lies along an axis of the old frame: X and Y of a frame along it are not told")
+        raise BlockError("the tool lies along an axis of the old frame: X and Y of a frame along it are not told")
     if rule == X_IN_ZX:
         first = [z / size, 0.0, -x / size]
         second = cross(direction, first)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 from toolpace.programs.reading.splines import CurveError, curves_of, even_knots
 
@@ -27,7 +28,7 @@ class BSplines:
         self.degree = 3
 
     def point(self, target: list[float], named: int, words: Words, inverse: float | None) -> None:
-        """One block: the target (3 + rotary) is the next control point. Raises Unread, ValueFault."""
+        """One block: the target (3 + rotary) is the next control point. Raises Unread, BlockError."""
         control = self.control
         if inverse is not None:
             raise Unread("BSPLINE under G93", "write G94")
@@ -40,13 +41,13 @@ class BSplines:
             self.degree, self.named, self.line = 3, 0, control.line
         if degree is not None:
             if degree not in (2.0, 3.0):
-                raise ValueFault(f"SD={degree:g} is no degree of BSPLINE: write SD=2 or SD=3")
+                raise BlockError(f"SD={degree:g} is no degree of BSPLINE: write SD=2 or SD=3")
             self.degree = int(degree)
         if weight is None or not 0.0 < weight <= HEAVIEST:
-            raise ValueFault(f"PW is the weight of a control point, above 0 and at most {HEAVIEST:g}: correct it")
+            raise BlockError(f"PW is the weight of a control point, above 0 and at most {HEAVIEST:g}: correct it")
         if step is not None:
             if step <= 0.0:
-                raise ValueFault(f"PL={step:g} is no distance of knots (alarms 10891, 14093): write one above zero")
+                raise BlockError(f"PL={step:g} is no distance of knots (alarms 10891, 14093): write one above zero")
             self.steps.add(step)
         self.points.append(target[:3])
         self.weights.append(weight)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from toolpace.common.units import INCH, MILLIMETRE
-from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
+from toolpace.programs.reading.language.expressions import BlockError
 
 Point = tuple[float, float, float]
 GREAT_CIRCLE, ROTARY = "great circle", "rotary"
@@ -85,9 +85,9 @@ class State:
             self.pole = None
 
     def pole_in_force(self) -> Point:
-        """What AP and RP count from. Raises ValueFault."""
+        """What AP and RP count from. Raises BlockError."""
         if self.pole is None:
-            raise ValueFault("the pole was told before a change of the plane or of frames: write G111 anew")
+            raise BlockError("the pole was told before a change of the plane or of frames: write G111 anew")
         return self.pole
 
     def unit_of_control(self) -> float:

@@ -10,7 +10,8 @@ from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.gcode.frames.offsets import Offsets, axis_words
 from toolpace.programs.reading.gcode.frames.transforms import Transforms
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 
 class Frames:
@@ -116,7 +117,7 @@ class Frames:
     def _axes(self, numbers: Numbers, word: str) -> Numbers:
         """Axis words, of which the controller may need one."""
         if self.one_shift and not any(letter in numbers for letter in "XYZABCUVW"):
-            raise WordError(f"{word} names no axis: write it like {word} X0 Y0")
+            raise BlockError(f"{word} names no axis: write it like {word} X0 Y0")
         return axis_words(self.control, self.state, numbers)
 
     def datum(self, numbers: Numbers, word: str) -> None:
@@ -169,7 +170,7 @@ class Frames:
     def rotate(self, numbers: Numbers, word: str) -> None:
         """G68: turn the plane about a point by R [deg]."""
         if "R" not in numbers:
-            raise WordError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
+            raise BlockError(f"{word} needs its angle as R: write it like {word} X0 Y0 R30")
         if self.plane is not None:
             raise RefusedError(
                 f"{word} in a tilted plane", "turn the plane by its own angles (the last of them turns it in itself)"

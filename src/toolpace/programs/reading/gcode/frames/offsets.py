@@ -10,7 +10,8 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 RADII = (12.0, 13.0)
@@ -60,14 +61,14 @@ class Offsets:
     def numbered_offset(self, numbers: Numbers, word: str) -> None:
         """G54.1 P, G154 P."""
         if "P" not in numbers:
-            raise WordError(f"{word} needs the number of its offset as P: write it like {word} P1")
+            raise BlockError(f"{word} needs the number of its offset as P: write it like {word} P1")
         self.take(f"{word} P{self._number(numbers.pop('P'), word):g}")
 
     def _number(self, number: float, word: str) -> float:
-        """Of an extended offset: Fanuc has 300 at most, Haas 99. Raises WordError."""
+        """Of an extended offset: Fanuc has 300 at most, Haas 99. Raises BlockError."""
         most = 99 if self.extended == "G154" else 300
         if number != int(number) or not 1 <= number <= most:
-            raise WordError(f"{word} P{number:g} is no offset: write P1 to P{most}")
+            raise BlockError(f"{word} P{number:g} is no offset: write P1 to P{most}")
         return number
 
     def indexed_offset(self, numbers: Numbers, word: str) -> None:
@@ -109,11 +110,11 @@ class Offsets:
         if kind not in (2.0, 20.0):
             raise RefusedError(f"{word} L{kind:g}", "L2 and L20 are read: let the set-up sheet tell tools and data")
         if kind == 20.0 and self.extended and number < 1.0:
-            raise WordError(f"{word} L20 needs the number of an offset {self.extended} as P: write it like L20 P1 X0")
+            raise BlockError(f"{word} L20 needs the number of an offset {self.extended} as P: write it like L20 P1 X0")
         if kind == 20.0 and self.extended:
             self._number(number, f"{word} L20")
         if number != int(number) or (without and (self.always_absolute or self.of_zero != "in force")):
-            raise WordError(f"P{number:g} of {word} is the number of an offset: write a whole number")
+            raise BlockError(f"P{number:g} of {word} is the number of an offset: write a whole number")
         if number == 0.0 and kind == 2.0 and self.of_zero == "external":
             self._move_all(numbers, word)
             return
@@ -167,7 +168,7 @@ class Offsets:
     def _turn(self, name: str, angle: float, kind: float, word: str) -> None:
         """R of G10 L2."""
         if kind == 20.0:
-            raise WordError(f"{word} L20 takes no R: turn the offset with {word} L2")
+            raise BlockError(f"{word} L20 takes no R: turn the offset with {word} L2")
         if angle and not self.turns:
             raise RefusedError(f"{word} with R", "it turns the offset: write G68, or let the CAM system apply it")
         if name == self.offset and angle * DEGREE != self.turned.get(name, 0.0) and self.shifted():
@@ -223,7 +224,7 @@ class Offsets:
             return f"G54.1 P{number}"
         most, last = (9, "G59.3") if self.of_zero == "in force" else (6, "G59")
         if not 1 <= number <= most:
-            raise WordError(f"P{number} is no work offset: write P1 (G54) to P{most} ({last})")
+            raise BlockError(f"P{number} is no work offset: write P1 (G54) to P{most} ({last})")
         return ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")[number - 1]
 
 

@@ -15,7 +15,8 @@ from toolpace.programs.reading.coordinates.affine import Matrix, Vector
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.variables import Variables
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 STEPS = {2.0: (0.0, 1.0, 2.0, 3.0), 3.0: (1.0, 2.0)}
 """Q of the blocks that tell a plane together, by P: three points, of which Q0 may be left out; two vectors."""
@@ -52,10 +53,10 @@ class Planes:
         }
 
     def need_whole(self) -> None:
-        """Raise WordError where a plane has been begun, and its other blocks do not follow."""
+        """Raise BlockError where a plane has been begun, and its other blocks do not follow."""
         if self.blocks:
             missing = [f"Q{q:g}" for q in STEPS[self.kind] if q and q not in self.blocks]
-            raise WordError(
+            raise BlockError(
                 f"the plane of G68.2 P{self.kind:g} is not whole here: write its blocks one behind the other, "
                 f"{' and '.join(missing)} too"
             )
@@ -89,7 +90,7 @@ class Planes:
             numbers.clear()
             raise RefusedError(f"{word} P4", "the signs of its angles are not sure: write P0 with I, J, K, or P2, P3")
         if kind not in (0.0, 1.0):
-            raise WordError(f"{word} P{kind:g} is no way to tell a plane: write P0 (or none) to P4")
+            raise BlockError(f"{word} P{kind:g} is no way to tell a plane: write P0 (or none) to P4")
         if "R" in numbers or ("Q" in numbers and kind == 0.0):
             numbers.clear()
             raise RefusedError(f"{word} with Q or R", f"write its plane as {word} X Y Z I J K")
@@ -111,7 +112,7 @@ class Planes:
                 'roll_pitch_yaw = "fixed" or "moving" in the controller\'s file',
             )
         if several and order is None:
-            raise WordError(f"{word} P1 needs the order of its turns as Q: write it like Q123")
+            raise BlockError(f"{word} P1 needs the order of its turns as Q: write it like Q123")
         digits = _order(order, word)
         if several:
             stands = "stand" if self.roll == "fixed" else "turn with the plane"
@@ -126,7 +127,7 @@ class Planes:
             self.need_whole()
         step = numbers.pop("Q", math.nan)
         if step not in STEPS[kind] or step in self.blocks:
-            raise WordError(f"{word} P{kind:g} takes Q{' and Q'.join(f'{q:g}' for q in STEPS[kind])}, each once")
+            raise BlockError(f"{word} P{kind:g} takes Q{' and Q'.join(f'{q:g}' for q in STEPS[kind])}, each once")
         self.kind = kind
         self.blocks[step] = {letter: numbers.pop(letter) for letter in [*"XYZRIJK"] if letter in numbers}
         wanted = [q for q in STEPS[kind] if q]
@@ -268,7 +269,7 @@ class Planes:
         return [numbers.pop(letter, 0.0) * self.state.unit for letter in "XYZ"]
     def _need_machine(self, word: str) -> None:
         if self.control.poses.machine is None:
-            raise WordError(f"{word} needs the machine: give --machine NAME (machine= in Python)")
+            raise BlockError(f"{word} needs the machine: give --machine NAME (machine= in Python)")
 
 
 def _order(order: float | None, word: str) -> str:
@@ -290,7 +291,7 @@ def _turned(angles: list[float], digits: str, *, fixed: bool) -> Matrix:
 
 
 def plane_of_points(points: Sequence[Vector], word: str) -> Matrix:
-    """Origin in the first of three points (3,) [m], X to the second, the third on the side of +Y. Raises WordError."""
+    """Origin in the first of three points (3,) [m], X to the second, the third on the side of +Y. Raises BlockError."""
     first, second, third = points
     x = [b - a for a, b in zip(first, second)]
     y = [b - a for a, b in zip(first, third)]
@@ -298,7 +299,7 @@ def plane_of_points(points: Sequence[Vector], word: str) -> Matrix:
 
 
 def plane_of_vectors(at: Vector, x: Vector, z: Vector, word: str) -> Matrix:
-    """Origin at a point (3,) [m], axes X and Z along vectors (3,). Raises WordError, and RefusedError where these are
+    """Origin at a point (3,) [m], axes X and Z along vectors (3,). Raises BlockError, and RefusedError where these are
     not square."""
     product = math.hypot(*x) * math.hypot(*z)
     if product > SHORT and abs(sum(a * b for a, b in zip(x, z))) > SQUARE * product:
@@ -315,8 +316,8 @@ def plane_of_tool(at: Vector, axis: Vector, word: str) -> Matrix:
 
 
 def _frame(at: Vector, x: Vector, z: Vector, fault: str) -> Matrix:
-    """From an origin (3,), X in the plane across Z (3,), and Z. Raises WordError with the fault where there is none."""
+    """From an origin (3,), X in the plane across Z (3,), and Z. BlockError with the fault where there is none."""
     made = affine.of_axes(x, z)
     if made is None:
-        raise WordError(f"{fault}: correct it")
+        raise BlockError(f"{fault}: correct it")
     return affine.product(affine.shift(at), made)

@@ -15,7 +15,8 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.gcode.modal import Modal
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 
 class Transforms:
@@ -159,7 +160,7 @@ class Transforms:
         common = numbers.pop("P", None)
         factors = [numbers.pop(letter, None) for letter in "IJK"]
         if common is None and not any(factors):
-            raise WordError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
+            raise BlockError(f"{word} needs its factor as P, or I, J and K: write it like {word} X0 Y0 P0.5")
         if common is None and not self.by_axis:
             raise RefusedError(f"{word} with I, J, K", "one factor P is read here: scale the axes in the CAM system")
         if common is None and None in factors:
@@ -169,7 +170,7 @@ class Transforms:
             for letter, factor in zip("IJK", factors)
         ]
         if not all(chosen):
-            raise WordError(f"{word} by zero leaves nothing: correct the factor")
+            raise BlockError(f"{word} by zero leaves nothing: correct the factor")
         about = self._centre(numbers, word, None)
         only_linear(numbers, word)
         back = affine.shift([-value for value in about])

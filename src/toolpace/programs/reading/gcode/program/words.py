@@ -24,7 +24,6 @@ _COMMENT = re.compile(r"\([^()]*\)")
 _NAME = re.compile(r"[A-Z_][A-Z_]+")
 
 
-WordError = BlockError
 Numbers = dict[str, float]
 """Values of the words of a block, by letter."""
 Handler = Callable[[Numbers, str], None]

@@ -17,9 +17,9 @@ from toolpace.programs.reading.control.moves import RAPID
 from toolpace.programs.reading.heidenhain.contour.circles import POLAR, Circles, Polar
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
 from toolpace.programs.reading.heidenhain.state import OF_AXIS
+from toolpace.programs.reading.language.expressions import BlockError
 
 _FORM = re.compile(r"(P?)(LT|LN|CT|LCT)(?![A-Z])")
 

@@ -20,9 +20,10 @@ from toolpace.programs.reading.arcs import (
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
+from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
+from toolpace.programs.reading.language.expressions import BlockError
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""

@@ -12,9 +12,9 @@ from toolpace.programs.reading.control.corners import ROUND, SIDES
 from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for
 from toolpace.programs.reading.heidenhain.contour.motion import LENGTHENED, Motion, Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
 from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.language.expressions import BlockError
 
 
 class SurfaceLines:

@@ -19,9 +19,10 @@ from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import near
 from toolpace.programs.reading.heidenhain.frames import Frames, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
+from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
+from toolpace.programs.reading.language.expressions import BlockError
 
 LENGTHENED = {"R+": 1.0, "R-": -1.0}
 """What makes the way of one axis longer or shorter by the tool's radius."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from toolpace.programs.reading.language.expressions import BlockError as BlockError
+from toolpace.programs.reading.language.expressions import BlockError
 
 LARGEST = 1e9
 """Beyond which a value is a slip: no machine travels so far."""

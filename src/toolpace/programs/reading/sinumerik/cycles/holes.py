@@ -10,6 +10,7 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS, PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.strokes import (
     Along,
     Levels,
@@ -19,7 +20,7 @@ from toolpace.programs.reading.sinumerik.cycles.strokes import (
 )
 from toolpace.programs.reading.sinumerik.cycles.threads import pitch_of
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 MOST = 24
@@ -57,7 +58,7 @@ class Holes:
         return PLANE_ACROSS[self.state.plane]
 
     def perform(self, name: str, values: list[Value | None]) -> None:
-        """One cycle where the tool stands. Raises ValueFault, Unread."""
+        """One cycle where the tool stands. Raises BlockError, Unread."""
         if not len(self.control.moves):
             self.control.begin_here()
         self.name = name
@@ -79,12 +80,12 @@ class Holes:
         unit = self.state.unit
         for place, what in ((0, "RTP, the retraction plane,"), (1, "RFP, the reference plane,")):
             if not arguments.given(place):
-                raise ValueFault(f"{self.name} lacks {what} its argument {place + 1}: write it")
+                raise BlockError(f"{self.name} lacks {what} its argument {place + 1}: write it")
         back, reference = arguments.number(0) * unit, arguments.number(1) * unit
         safety = abs(arguments.number(2)) * unit
         depth = abs(arguments.number(4)) * unit
         if not depth and not arguments.given(3):
-            raise ValueFault(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
+            raise BlockError(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
         bottom = reference - depth if depth else arguments.number(3) * unit
         down = -1.0 if bottom <= reference else 1.0
         if depth and back == reference:
@@ -95,7 +96,7 @@ class Holes:
             )
         top = reference - down * safety
         if down > 0.0 and back > reference:
-            raise ValueFault(
+            raise BlockError(
                 f"{self.name}: its depth lies above RFP, where RTP lies too (alarm 61101): correct DP or RFP"
             )
         if (back - reference) * -down < -1e-12:
@@ -124,7 +125,7 @@ class Holes:
             return time
         spindle = self.control.feed.spindle
         if spindle <= 0.0:
-            raise ValueFault(f"{self.name} dwells for turns of the spindle: write S before it")
+            raise BlockError(f"{self.name} dwells for turns of the spindle: write S before it")
         return -time / spindle
 
     def _hole(self, levels: Levels) -> Drilling:
@@ -143,7 +144,7 @@ class Holes:
             down = math.copysign(1.0, levels.bottom - levels.reference)
             first = (arguments.number(5) * unit - levels.reference) * down
             if first < 0.0:
-                raise ValueFault("CYCLE83: its first depth FDEP lies above RFP (alarm 61107): correct FDEP")
+                raise BlockError("CYCLE83: its first depth FDEP lies above RFP (alarm 61107): correct FDEP")
         if first > whole:
             self._tolerate(
                 "a first stroke below its depth",
@@ -157,7 +158,7 @@ class Holes:
         strokes = self._strokes(arguments, whole, first or whole)
         clear = arguments.code(11)
         if clear not in (0, 1):
-            raise ValueFault(f"CYCLE83 with VARI {clear} (alarm 61002): write 0 to break chips, 1 to remove them")
+            raise BlockError(f"CYCLE83 with VARI {clear} (alarm 61002): write 0 to break chips, 1 to remove them")
         back = abs(arguments.number(14)) * unit or MILLIMETRE
         ahead = abs(arguments.number(16)) * unit or stop_distance(whole)
         dwell = self._dwell(arguments.number(8))
@@ -264,7 +265,7 @@ class Holes:
         if not kind or not 0.0 < step < whole:
             return []
         if whole > MOST_PECKS * step:
-            raise ValueFault(f"CYCLE84 taps in more than {MOST_PECKS} strokes: correct _DAM, its argument 17")
+            raise BlockError(f"CYCLE84 taps in more than {MOST_PECKS} strokes: correct _DAM, its argument 17")
         if kind == 1 and not retract:
             raise Unread("CYCLE84 with chip breaking without _VRT", "write how far it goes back, argument 18")
         down = math.copysign(1.0, levels.bottom - levels.reference)

@@ -9,8 +9,9 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.arcs import PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import Place, laid_out, on_circle, on_grid
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 MOST = 10_000
@@ -43,7 +44,7 @@ def places(name: str, values: list[Value | None], control: Control, state: State
 def _count(arguments: Arguments, place: int) -> int:
     count = arguments.code(place)
     if not 1 <= count <= MOST:
-        raise ValueFault(f"{arguments.name} needs the number of its holes, from 1 to {MOST}, as argument {place + 1}")
+        raise BlockError(f"{arguments.name} needs the number of its holes, from 1 to {MOST}, as argument {place + 1}")
     return count
 
 
@@ -73,7 +74,7 @@ def _grid(arguments: Arguments, here: Place) -> list[Place]:
     """
     columns, rows = _count(arguments, 5), _count(arguments, 6)
     if columns * rows > MOST:
-        raise ValueFault(f"CYCLE801 makes {columns * rows} holes, and at most {MOST} are read: correct the numbers")
+        raise BlockError(f"CYCLE801 makes {columns * rows} holes, and at most {MOST} are read: correct the numbers")
     if any(arguments.number(place) for place in (7, 9, 10)) or arguments.text(11):
         raise Unread("CYCLE801 with _VARI, _ANG1, _ANG2 or _HIDE", "write the places as blocks of their own")
     angle = arguments.number(2) * DEGREE

@@ -8,8 +8,8 @@ from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import MOST_PECKS
 from toolpace.programs.reading.control.feed import INVERSE
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
 
 TOO_MANY = "CYCLE83 takes more than 10000 strokes, or none: check its depths"
 
@@ -72,7 +72,7 @@ def strokes_of(whole: float, first: float, less: float) -> list[float]:
     found: list[float] = []
     depth, stroke = 0.0, min(first, whole)
     if stroke <= 0.0 or whole / max(min(stroke, less or stroke), 1e-12) > MOST_PECKS:
-        raise ValueFault(TOO_MANY)
+        raise BlockError(TOO_MANY)
     while _longer(whole - depth, stroke):
         depth += stroke
         found.append(depth)
@@ -92,13 +92,13 @@ def strokes_by_factor(whole: float, first: float, factor: float, least: float) -
     found: list[float] = []
     depth, stroke = 0.0, min(first, whole)
     if stroke <= 0.0:
-        raise ValueFault(TOO_MANY)
+        raise BlockError(TOO_MANY)
     while _longer(whole - depth, stroke):
         depth += stroke
         found.append(depth)
         stroke = max(stroke * factor, min(least, first))
         if len(found) >= MOST_PECKS:
-            raise ValueFault(f"{TOO_MANY}, or write the least stroke, its argument 14 (_MDEP)")
+            raise BlockError(f"{TOO_MANY}, or write the least stroke, its argument 14 (_MDEP)")
     return [*found, whole]
 
 

@@ -12,10 +12,11 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, reference, retract, turn_joints, turn_to_plane
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.orientation import along
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, solid
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, solid
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 _ORDER = "the first rotary axis is the one that carries the other; with a head and a table, that of the head"
@@ -101,7 +102,7 @@ def _check(arguments: Arguments, state: State, *, direct: bool) -> None:
     if arguments.code(15) % 10 in PLANES_BEYOND_XY or (state.plane and arguments.code(15) % 10 != 1):
         raise Unread("CYCLE800 under G18 or G19", "the tool stands along Y or X there: write G17")
     if arguments.code(13) not in (-1, 0, 1):
-        raise ValueFault(f"CYCLE800 with _DIR {arguments.code(13)}: it is -1, 0 or 1")
+        raise BlockError(f"CYCLE800 with _DIR {arguments.code(13)}: it is -1, 0 or 1")
     if arguments.code(2) // 100 % 10:
         raise Unread(f"CYCLE800 with _ST {arguments.code(2)}", "its hundreds align a tool: write 0 there")
     if direct and arguments.code(2) % 10 == 1:
@@ -159,7 +160,7 @@ def _retract(arguments: Arguments, control: Control, state: State) -> None:
     elif way in (4, 5):
         distance = arguments.number(14) * state.unit
         if way == 5 and distance < 0.0:
-            raise ValueFault("CYCLE800: _FR_I, the way of its retract, is below zero: correct it")
+            raise BlockError("CYCLE800: _FR_I, the way of its retract, is below zero: correct it")
         retract(control, None if way == 4 else distance, rapid=True)
     elif way:
         raise Unread(f"CYCLE800 with _FR {way}", "it is 0, 1, 2, 4 or 5: correct it")

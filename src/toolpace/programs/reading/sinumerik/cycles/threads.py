@@ -7,8 +7,9 @@ import math
 from toolpace.common.units import INCH, MILLIMETRE, MINUTE
 from toolpace.programs.reading.arcs import ROUNDING, arc_about, plane_arc
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 COARSE = {
@@ -20,22 +21,22 @@ MOST_TURNS = 10_000
 
 
 def metric_pitch(size: float) -> float:
-    """Pitch [m] of the thread M`size`. Raises ValueFault."""
+    """Pitch [m] of the thread M`size`. Raises BlockError."""
     if size not in COARSE:
-        raise ValueFault(f"M{size:g} is no metric size from M3 to M48: write the pitch PIT in place of MPIT")
+        raise BlockError(f"M{size:g} is no metric size from M3 to M48: write the pitch PIT in place of MPIT")
     return COARSE[int(size)] * MILLIMETRE
 
 
 def pitch_of(arguments: Arguments, unit: float, *, size: int, pitch: int, kind: int) -> float:
     """Lead of a thread [m], from the places of its metric size, of the pitch itself, and of what that is told in.
 
-    unit: of lengths [m]. Raises ValueFault, Unread.
+    unit: of lengths [m]. Raises BlockError, Unread.
     """
     by_size = abs(arguments.number(size))
     if not arguments.number(pitch):
         if by_size:
             return metric_pitch(by_size)
-        raise ValueFault(
+        raise BlockError(
             f"{arguments.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
         )
     told_in = arguments.code(kind)
@@ -43,7 +44,7 @@ def pitch_of(arguments: Arguments, unit: float, *, size: int, pitch: int, kind: 
         raise Unread(f"{arguments.name} with a pitch in modules or turns per inch", "write it in mm or inch")
     lead = abs(arguments.number(pitch)) * {0: unit, 1: MILLIMETRE, 3: INCH}[told_in]
     if by_size and abs(metric_pitch(by_size) - lead) > ROUNDING:
-        raise ValueFault(f"{arguments.name}: MPIT and PIT tell different pitches (alarm 61001): write one of them")
+        raise BlockError(f"{arguments.name}: MPIT and PIT tell different pitches (alarm 61001): write one of them")
     return lead
 
 
@@ -62,7 +63,7 @@ def mill_thread(values: list[Value | None], control: Control, state: State, tool
     pitch, speed = abs(arguments.number(7)) * unit, arguments.number(8) * unit / MINUTE
     radius = arguments.number(5) * unit / 2.0 - tool_radius
     if clockwise is None or pitch <= 0.0 or speed <= 0.0 or radius <= 0.01 * MILLIMETRE:
-        raise ValueFault("CYCLE90 needs DIATH (above the tool), PIT and FFR above zero, and CDIR 2 or 3: correct them")
+        raise BlockError("CYCLE90 needs DIATH (above the tool), PIT and FFR above zero, and CDIR 2 or 3: correct them")
     reference = arguments.number(1) * unit
     depth = abs(arguments.number(4)) * unit
     bottom = reference - depth if depth else arguments.number(3) * unit
@@ -71,7 +72,7 @@ def mill_thread(values: list[Value | None], control: Control, state: State, tool
     if arguments.number(0) * unit < reference:
         control.findings.assumed("where RTP lies below RFP, CYCLE90 goes back to RFP + SDIS (alarm 61101: raise RTP)")
     if bottom >= reference or (top - bottom) / pitch > MOST_TURNS:
-        raise ValueFault(f"CYCLE90 needs a depth below its reference plane, at most {MOST_TURNS} turns: correct DP")
+        raise BlockError(f"CYCLE90 needs a depth below its reference plane, at most {MOST_TURNS} turns: correct DP")
     if not len(control.moves):
         control.begin_here()
     control.findings.assumed("CYCLE90 comes to the thread and leaves it on half circles from and to its centre")

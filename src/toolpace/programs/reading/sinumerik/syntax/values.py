@@ -55,7 +55,6 @@ class Memory(Protocol):
 
 
 Compiled = Callable[[Memory], Value]
-ValueFault = BlockError
 
 
 class Unread(Exception):
@@ -183,14 +182,9 @@ def solid(degrees: dict[str, float]) -> Matrix:
     along, across = [0.0] * 3, [0.0] * 3
     along[first], along[missing] = math.cos(b), -math.sin(b)
     across[second], across[missing] = math.cos(a), math.sin(a)
-    normal = _unit(cross(along, across))
-    columns = {first: along, second: cross(normal, along), missing: normal}
+    normal = _unit(affine.cross(along, across))
+    columns = {first: along, second: affine.cross(normal, along), missing: normal}
     return affine.linear([[columns[column][row] for column in range(3)] for row in range(3)])
-
-
-def cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
-    """The vector product (3,)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def _unit(a: list[float]) -> list[float]:

@@ -1,4 +1,4 @@
-"""Free memory and free disk space for results."""
+"""Free memory and free disk space, from the operating system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bounds on the names and figures of a machine.
+"""Plausibility bounds on the names and figures of a machine, and the errors and questions beyond them.
 
 Limits of joints outside those of machine tools are asked about: a figure in another unit than the file's is planned
 with, and verified, as any other. The ranges are wide: the slowest is a simulated desktop machine, the fastest a linear

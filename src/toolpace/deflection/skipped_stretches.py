@@ -1,4 +1,4 @@
-"""The stretches of the path that the tip leaves out on a way back onto it, from the way and the path alone."""
+"""The stretches of the path that a rejoin motion leaves out, from that motion and the path alone."""
 
 from __future__ import annotations
 

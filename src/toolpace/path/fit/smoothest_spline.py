@@ -1,4 +1,4 @@
-"""The smoothest spline inside its tube, window by window.
+"""The smoothest spline inside its tube, solved window by window.
 
 What happens at one place does not reach far along the path: windows with fixed ends, and then windows over their
 seams, come as close to the answer for the whole as one wants, in linear time. Ranges of one stage are GAP apart: no
