@@ -195,9 +195,9 @@ def with_change(fitted: FittedRun, x: Floats) -> SplineRun:
     cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
     old, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
     padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
-    change = x[:, :5] * known.scale
+    change = x[:, :5] * fitted.scale
     taylor = [
-        sum(comb(i, k) * given[:, i] * ahead ** (i - k) for i in range(k, 6))
+        sum(comb(i, k) * old[:, i] * ahead ** (i - k) for i in range(k, 6))
         + spline_values(padded, change, 5, breaks[:-1], k) / factorial(k)
         for k in range(6)
     ]
