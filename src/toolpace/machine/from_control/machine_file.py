@@ -45,14 +45,22 @@ def read_control(paths: Sequence[str | Path], answers: Answers | None = None) ->
     complete(record, answers)
     source = record.files[0]
     machine = Machine.from_toml(machine_text(record, answers.taken, {}), source)
-    leanings = dict(zip(machine.geometry.rotary_joints, machine.geometry.leanings))
+    both = zip(machine.geometry.rotary_joints, machine.geometry.leanings)
+    leanings = {name: words for name, words in both if name not in record.held}
     text = machine_text(record, answers.taken, leanings)
     return MachineDraft(record, text, machine, tuple(answers.taken))
 
 
 def machine_text(record: MachineRecord, stand_ins: Sequence[Question], leanings: Mapping[str, str]) -> str:
     """The text of a machine file; `leanings` says by joint what 30 degrees of it do to the tool axis."""
-    return "\n".join([*_heading(record, stand_ins), *_tables(record, leanings)]) + "\n"
+    shown = record.named(_short_names(record.files))
+    return "\n".join([*_heading(shown, stand_ins), *_tables(shown, leanings)]) + "\n"
+
+
+def _short_names(files: Sequence[str]) -> dict[str, str]:
+    """Names of files without their folders, as far as these are distinct."""
+    last = {name: Path(name).name for name in files}
+    return {name: short for name, short in last.items() if list(last.values()).count(short) == 1}
 
 
 def _heading(record: MachineRecord, stand_ins: Sequence[Question]) -> Iterator[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 from toolpace.machine.from_control.control_file import ControlFileError
 
@@ -48,6 +48,11 @@ class Figure:
         """Where it is from, in words."""
         return " and ".join(dict.fromkeys(map(str, self.origins)))
 
+    def named(self, names: Mapping[str, str]) -> Figure:
+        """The figure with other names of the files that it is from."""
+        origins = tuple(replace(each, file=names.get(each.file, each.file)) for each in self.origins)
+        return replace(self, origins=origins)
+
 
 @dataclass
 class MachineRecord:
@@ -70,8 +75,26 @@ class MachineRecord:
     """By axis letter: the joint's position at which the control displays zero, for the set-up sheet."""
     control_figures: dict[str, Figure] = field(default_factory=dict)
     """What the control limits beside the joints, as the path's velocity; by a name with its unit."""
+    held: list[str] = field(default_factory=list)
+    """Turning joints that the machine does not have: at rest, since every machine here has two."""
     remarks: list[str] = field(default_factory=list)
     """What a person should know who compares the machine with the files."""
+
+    def named(self, names: Mapping[str, str]) -> MachineRecord:
+        """The record with other names of the files that its figures are from."""
+
+        def each(figures: Mapping[str, Figure]) -> dict[str, Figure]:
+            return {key: figure.named(names) for key, figure in figures.items()}
+
+        return replace(
+            self,
+            length=self.length.named(names),
+            angle=self.angle.named(names),
+            chain=each(self.chain),
+            joints={joint: each(figures) for joint, figures in self.joints.items()},
+            machine_zero=each(self.machine_zero),
+            control_figures=each(self.control_figures),
+        )
 
 
 def travel(low: Figure, high: Figure) -> Figure:

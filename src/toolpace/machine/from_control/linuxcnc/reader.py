@@ -34,8 +34,8 @@ CONTROL_KEYS = {
 
 
 def recognises(file: ControlFile) -> bool:
-    """Whether a text is LinuxCNC's INI: its headings are [KINS], [TRAJ] or [EMCMOT]; it may include the others."""
-    return any(re.match(r"\s*\[(KINS|TRAJ|EMCMOT|EMC)\]", line) for line in file.lines)
+    """Whether a text is LinuxCNC's INI, by headings of its own; it may include the files that have them."""
+    return any(re.match(r"\s*\[(KINS|TRAJ|EMCMOT|EMC)\]|#INCLUDE ", line) for line in file.lines)
 
 
 def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:

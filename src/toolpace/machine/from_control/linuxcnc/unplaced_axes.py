@@ -17,6 +17,7 @@ HELD = 0.001
 """Travel to either side of zero of an axis that the machine does not have [deg]."""
 TABLES = {"AC": "AC/", "BC": "BC/", "AB": "BA/"}
 """Two turning axes as a tilting table that carries another, with the usual one beneath."""
+ABSENT = (Origin("the machine has no such axis: it is held at zero"),)
 
 
 def place(module: Module, record: MachineRecord, letters: str) -> None:
@@ -26,7 +27,7 @@ def place(module: Module, record: MachineRecord, letters: str) -> None:
         raise module.origin.error(
             f"has the turning axes {', '.join(turning)}; a machine here has two: take one out of [TRAJ] COORDINATES"
         )
-    arrangement = _arrangement(module, turning) if turning else Figure("/", (module.origin,))
+    arrangement = _arrangement(module, turning) if turning else Figure("/", ABSENT)
     workpiece, _, tool = str(arrangement.value).partition("/")
     for letter in turning:
         _ask_where(module, record, letter, letter in workpiece)
@@ -79,11 +80,11 @@ def _ask_where(module: Module, record: MachineRecord, letter: str, on_table: boo
 
 def _hold(record: MachineRecord, letter: str) -> None:
     """An axis that the machine does not have, at rest."""
-    absent = (Origin("the machine has no such axis: it is held at zero"),)
+    record.held.append(letter)
     record.joints[letter] = {
-        "kind": Figure("rotary", absent),
-        "direction": Figure(tuple(-part + 0.0 for part in ALONG[letter]), absent),
-        "point": Figure((0.0, 0.0, 0.0), absent),
-        "travel": Figure((-HELD, HELD), absent),
-    } | {key: Figure(usual.typical, absent, f"rad/s{power}") for (key, usual), power in zip(
+        "kind": Figure("rotary", ABSENT),
+        "direction": Figure(tuple(-part + 0.0 for part in ALONG[letter]), ABSENT),
+        "point": Figure((0.0, 0.0, 0.0), ABSENT),
+        "travel": Figure((-HELD, HELD), ABSENT),
+    } | {key: Figure(usual.typical, ABSENT, f"rad/s{power}") for (key, usual), power in zip(
         USUAL["rotary"].items(), ("", "2", "3"))}  # fmt: skip
