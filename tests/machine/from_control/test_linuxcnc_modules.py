@@ -42,11 +42,13 @@ PIVOT = (
 CASES = (
     Case(
         "xyzac-trt-kins sparm=identityfirst", "XYZAC", "xyzac-trunnion",
-        {"x-rot-point": 3.0, "y-rot-point": -7.0, "z-rot-point": 11.0, "y-offset": 20.0, "z-offset": 10.0}, "tool-offset",
+        {"x-rot-point": 3.0, "y-rot-point": -7.0, "z-rot-point": 11.0, "y-offset": 20.0, "z-offset": 10.0},
+        "tool-offset",
     ),
     Case(
         "xyzbc-trt-kins sparm=identityfirst", "XYZBC", "xyzbc-trunnion",
-        {"x-rot-point": 4.0, "y-rot-point": 6.0, "z-rot-point": -9.0, "x-offset": -20.0, "z-offset": -15.0}, "tool-offset",
+        {"x-rot-point": 4.0, "y-rot-point": 6.0, "z-rot-point": -9.0, "x-offset": -20.0, "z-offset": -15.0},
+        "tool-offset",
     ),
     Case(
         "xyzab_tdr_kins", "XYZAB", "xyzab-table",
@@ -70,7 +72,8 @@ def _program(case: Case, poses: np.ndarray, turning: tuple[str, str]) -> str:
     """A stop in each pose (n, 5) [mm, deg]."""
     start = ["G21 G90 G94 G61.1", *(["T1 M6", "G43 H1"] if case.switched else []), *(["M428"] if case.switched else [])]
     moves = [
-        f"G1 X{x:.6f} Y{y:.6f} Z{z:.6f} {turning[0]}{a:.6f} {turning[1]}{b:.6f} F30000\nG4 P0.3" for x, y, z, a, b in poses
+        f"G1 X{x:.6f} Y{y:.6f} Z{z:.6f} {turning[0]}{a:.6f} {turning[1]}{b:.6f} F30000\nG4 P0.3"
+        for x, y, z, a, b in poses
     ]
     return "\n".join([*start, *moves, *(["M429"] if case.switched else []), "M2", ""])
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from toolpace.machine.from_control.control_file import ControlFile
-from toolpace.machine.from_control.linuxcnc.ini import Ini, found_file
+from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.linuxcnc.ini import MOST_LINES, Ini, found_file
 from toolpace.machine.from_control.record import Origin
 
 TOOL_LENGTH = ("motion.tooloffset.z", "motion.tooloffset.w")
@@ -124,6 +124,8 @@ def _read_file(hal: Hal, ini: Ini, file: ControlFile, beside: Sequence[ControlFi
     if file.name in hal.files:
         return
     hal.files.append(file.name)
+    if len(file.lines) > MOST_LINES:
+        raise ControlFileError(f"has more than {MOST_LINES} lines: this is no HAL file", file=file.name)
     for number, line in _commands(file):
         words = line.split()
         if words[0] == "source" and len(words) > 1 and depth < DEEPEST:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +15,8 @@ DEEPEST = 16
 """Includes within includes, as LinuxCNC itself allows."""
 MOST_INCLUDES = 200
 """In all: a few files that include each other often would never end."""
+MOST_LINES = 100_000
+"""Of an INI with its includes, and of a HAL file: they have a few hundred."""
 _HEADING = re.compile(r"\s*\[([^\]]*)\]")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _COMMENT = re.compile(r"\s[#;].*")
@@ -32,7 +35,10 @@ class Entry:
         rest = self.text[number.end() :].strip() if number else ""
         if number is None or (rest and rest[0] not in "#;"):
             raise self.origin.error(f"= '{self.text[:SHOWN]}' is not a number; correct it")
-        return Figure(float(number.group()), (self.origin,))
+        value = float(number.group())
+        if math.isinf(value):
+            raise self.origin.error(f"= {number.group()[:SHOWN]} is too large to be a number; correct it")
+        return Figure(value, (self.origin,))
 
     def word(self) -> str:
         """Its text without a comment behind it."""
@@ -85,7 +91,9 @@ def read_ini(file: ControlFile, beside: Sequence[ControlFile] = ()) -> Ini:
     """
     ini = Ini(file, files=[file.name])
     section = ""
-    for origin, line in _included(ini, file, beside, (file.name,)):
+    for count, (origin, line) in enumerate(_included(ini, file, beside, (file.name,))):
+        if count > MOST_LINES:
+            raise ControlFileError(f"has more than {MOST_LINES} lines: this is no INI", file=file.name)
         text = line.strip()
         if not text or text[0] in "#;":
             continue

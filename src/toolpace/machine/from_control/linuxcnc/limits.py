@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from toolpace.machine.from_control.control_file import ControlFileError
 from toolpace.machine.from_control.linuxcnc.ini import Ini
 from toolpace.machine.from_control.linuxcnc.loaded import Module
 from toolpace.machine.from_control.record import Figure, Origin, lowest, travel
+from toolpace.machine.from_control.stand_ins import Question
 
 TURNING = "ABC"
 ENDLESS = 1e9
@@ -25,10 +27,12 @@ def joint_figures(module: Module, letter: str) -> dict[str, Figure]:
     ini, rotary = module.ini, letter in TURNING
     sections = [f"AXIS_{letter}", *(f"JOINT_{joint}" for joint in module.joints(letter))]
     figures = {"kind": _kind(ini, letter, sections[1:])}
+    places = f"[{'] nor ['.join(sections)}]"
+    if not set(sections) & set(ini.sections()):
+        raise ControlFileError(f"neither {places} is there: the file is not whole; add them", file=ini.file.name)
     for key, name in (("velocity", "MAX_VELOCITY"), ("acceleration", "MAX_ACCELERATION")):
         found = [_above_zero(figure) for section in sections if (figure := ini.figure(section, name)) is not None]
-        default = Origin(f"LinuxCNC's default, since neither [{'] nor ['.join(sections[:2])}] has {name}")
-        figures[key] = lowest(found) if found else Figure(DEFAULT, (default,))
+        figures[key] = lowest(found) if found else _default(module, letter, key, f"neither {places} has {name}")
     told = (ini.figure(section, "MAX_JERK") for section in sections)
     jerks = [figure for figure in told if figure is not None and figure.number > 0.0]
     of_path = ini.figure("TRAJ", "MAX_LINEAR_JERK")
@@ -41,6 +45,13 @@ def joint_figures(module: Module, letter: str) -> dict[str, Figure]:
         assert wrapped is not None
         return figures | {"wrap": Figure(True, (wrapped.origin,))}
     return figures | _reach(ini, sections, rotary)
+
+
+def _default(module: Module, letter: str, key: str, why: str) -> Figure:
+    """A limit that no section tells: LinuxCNC takes a default of its own."""
+    unit = "deg" if letter in TURNING else module.length
+    what = f"{key} of {letter} [{unit}/s{'^2' if key == 'acceleration' else ''}]"
+    return module.answers.numbers(Question(what, f"{DEFAULT:g}", f"LinuxCNC's own default, since {why}"), 1)
 
 
 def _kind(ini: Ini, letter: str, joints: Sequence[str]) -> Figure:
@@ -71,6 +82,6 @@ def _reach(ini: Ini, sections: Sequence[str], rotary: bool) -> dict[str, Figure]
     if lows and highs:
         return {"travel": travel(max(lows, key=lambda figure: figure.number), lowest(highs))}
     if rotary and not lows and not highs:
-        reason = f"neither [{'] nor ['.join(sections[:2])}] limits its travel"
+        reason = f"neither [{'] nor ['.join(sections)}] limits its travel"
         return {"wrap": Figure(True, (Origin(reason),))}
     return {}

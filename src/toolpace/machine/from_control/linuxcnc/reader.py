@@ -126,8 +126,13 @@ def _add_control(module: Module, record: MachineRecord) -> None:
 
 
 def _add_remarks(module: Module, record: MachineRecord, letters: str) -> None:
+    """What a person should know: missing sections, gantries, axes that rest, how the tip is held."""
+    sections = module.ini.sections()
     for letter in letters:
         joints = module.joints(letter)
+        for section in (f"AXIS_{letter}", *(f"JOINT_{joint}" for joint in joints)):
+            if letter in record.joints and section not in sections:
+                record.remarks.append(f"[{section}] is missing: is the file whole? LinuxCNC takes its own defaults.")
         if len(joints) > 1:
             record.remarks.append(f"{letter} is moved by joints {', '.join(map(str, joints))} together.")
         if letter not in record.joints:
