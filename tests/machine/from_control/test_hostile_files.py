@@ -32,6 +32,7 @@ HOSTILE = {
     "binary": (bytes(range(256)) * 50, "is not text"),
     "UTF-16": (INI.encode("utf-16"), "is not text"),
     "an include of itself": (INI.encode() + b"#INCLUDE mill.ini\n", "goes round in a circle"),
+    "an include of nothing": (INI.encode() + b"#INCLUDE  \n", "a file without a name is not there"),
     "a device": (INI.encode() + b"#INCLUDE /dev/zero\n", "/dev/zero is not there"),
     "a folder": (INI.encode() + b"#INCLUDE /tmp\n", "/tmp is not there"),
     "a name without end": (INI.encode() + b"#INCLUDE " + b"x" * 5000, "is not there"),

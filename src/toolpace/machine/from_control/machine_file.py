@@ -106,9 +106,9 @@ def _line(key: str, figure: Figure, meaning: str = "") -> str:
 
 
 def _value(value: Value) -> str:
-    """A value as TOML, numbers without a needless point."""
+    """A value as TOML, numbers without a needless point and without the rounding of sums."""
     if isinstance(value, tuple):
         return "[" + ", ".join(_value(each) for each in value) + "]"
     if isinstance(value, (bool, str)):
         return toml_value(value)
-    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else repr(float(value))
+    return f"{value:.15g}"

@@ -116,9 +116,10 @@ def _included(
     for number, line in enumerate(file.lines, 1):
         origin = Origin("#INCLUDE", file.name, number)
         if line.startswith("#INCLUDE ") and not pending:
-            inner = found_file(line[len("#INCLUDE ") :].strip(), ini.file, beside)
+            name = line[len("#INCLUDE ") :].strip()
+            inner = found_file(name, ini.file, beside) if name else None
             if inner is None:
-                raise origin.error(f"{line.split(None, 1)[1][:SHOWN]} is not there; copy it beside {ini.file.name}")
+                raise origin.error(f"{name[:SHOWN] or 'a file without a name'} is not there; copy it beside the INI")
             if inner.name in above or len(above) >= DEEPEST:
                 raise origin.error(f"{inner.name} goes round in a circle, or deeper than {DEEPEST} files; remove it")
             ini.files.append(inner.name)
