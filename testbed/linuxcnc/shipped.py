@@ -19,6 +19,8 @@ from pathlib import Path
 from toolpace.common.errors import ToolpaceError
 from toolpace.machine.from_control import MachineDraft, read_control
 
+INSTALLED = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
+"""Where Debian has them."""
 _PLACE = re.compile(r"^.*?\.(?:ini|inc|hal)(?::\d+)?: ")
 
 

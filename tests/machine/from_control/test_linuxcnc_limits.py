@@ -101,6 +101,14 @@ def test_inches_and_turns_without_end(tmp_path):
     assert joints["A"].velocity == pytest.approx(200 * DEGREE)
 
 
+def test_units_may_be_numbers_of_them_in_a_millimetre_and_a_degree(tmp_path):
+    sections = {"TRAJ": {"ANGULAR_UNITS": 0.0174533}}
+    text = ini_text(*TABLE, units="0.03937007874", sections=sections)
+    machine = read_control([written(tmp_path, mill_ini=text)]).machine
+    assert machine.file.joints["X"].velocity == pytest.approx(200 * INCH)
+    assert machine.file.joints["A"].velocity == pytest.approx(200.0)
+
+
 def test_includes_and_files_given_beside_the_ini_are_read(tmp_path):
     text = ini_text(*TABLE, lines=["HALFILE = where/else/pins.hal"])
     body = text[text.index("[TRAJ]") :].replace("MAX_VELOCITY = 200.0", "MAX_VELOCITY = 120.0 # tested")

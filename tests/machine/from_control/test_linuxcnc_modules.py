@@ -10,6 +10,7 @@ import pytest
 from testbed.linuxcnc.configuration import Configuration
 from testbed.linuxcnc.patterns import Pattern
 from testbed.linuxcnc.run import run_program
+from testbed.linuxcnc.shipped import INSTALLED, rows
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine.from_control import read_control
 from toolpace.machine.machine import Machine
@@ -106,3 +107,31 @@ def test_joints_of_the_real_kinematics_are_those_of_the_machine_that_was_read(ca
     assert np.abs(rests[:, order] - poses[:, 3:] * DEGREE).max() < NEAR
     # far from what the words are as joints: a machine without kinematics would not pass
     assert np.abs(rests[:, machine.linear] - tip).max() > 10 * MILLIMETRE
+
+
+@pytest.mark.linuxcnc
+def test_configurations_that_linuxcnc_ships_are_read_or_refused_with_a_reason():
+    found = list(rows(INSTALLED))
+    assert len(found) > 300 and sum(not row.refused for row in found) > 200
+    five = {row.name.rpartition("/")[2]: row.kind for row in found if len(row.axes) == 5}
+    assert five["xyzac-trt"] == five["xyzbc-trt"] == five["xyzab-tdr"] == "table-table"
+    assert five["5axis"] == "head-head" and five["max5kins"] == "head-table"
+    assert not [row.name for row in found if row.refused and "vismach/5axis" in row.name and "trsrn" not in row.name]
+
+
+@pytest.mark.linuxcnc
+def test_two_shipped_machines_are_those_that_were_typed_by_hand():
+    """The built-in machines of LinuxCNC's simulations were typed from the same files, by another hand."""
+    vismach = INSTALLED / "sim/axis/vismach/5axis"
+    table = read_control([vismach / "table-rotary-tilting/xyzac-trt.ini"]).machine
+    typed = Machine.load("linuxcnc-xyzac-trt")
+    assert table.limits == typed.limits and table.joints == typed.joints
+    assert (table.travel == typed.travel).all() and np.abs(table.geometry.frame - typed.geometry.frame).max() < 1e-15
+    head = read_control([vismach / "bridgemill/5axis.ini"]).machine
+    typed = Machine.load("linuxcnc-xyzbc-bridgemill")
+    q = np.random.default_rng(3).uniform(-0.5, 0.5, (20, 5))
+    columns = [typed.joints.index(name) for name in head.joints]
+    tip, axis = head.forward(q, 0.1)
+    # by hand, the tip of its tool of 100 mm is where the joints are zero; read, the nose is
+    typed_tip, typed_axis = typed.forward(q[:, np.argsort(columns)])
+    assert np.abs(tip - typed_tip + np.array([0, 0, 0.1])).max() < 1e-12 and np.abs(axis - typed_axis).max() < 1e-12

@@ -102,22 +102,27 @@ def read_hal(ini: Ini, beside: Sequence[ControlFile]) -> Hal:
     `beside` are files that were given with it. Raises ControlFileError.
     """
     hal = Hal()
-    named = [*ini.all("HAL", "HALFILE"), *ini.all("HAL", "POSTGUI_HALFILE")]
-    for entry in named:
+    _read_named(hal, ini, "HALFILE", beside)
+    for entry in ini.all("HAL", "HALCMD"):
+        _execute(hal, ini, entry.word(), entry.origin)
+    _read_named(hal, ini, "POSTGUI_HALFILE", beside)
+    for file in beside:
+        if file.name not in (*hal.files, *ini.files):
+            _read_file(hal, ini, file, beside, 0)
+    return hal
+
+
+def _read_named(hal: Hal, ini: Ini, key: str, beside: Sequence[ControlFile]) -> None:
+    """Read the HAL files that a key names, but those that come with LinuxCNC, which place no axis."""
+    for entry in ini.all("HAL", key):
         name = (entry.word().split() or [""])[0]
         if name.startswith("LIB:") or not name:
             continue
         file = found_file(name, ini.file, beside)
         if file is None:
             hal.not_there.append(Origin(name, entry.origin.file, entry.origin.line))
-            continue
-        _read_file(hal, ini, file, beside, 0)
-    for entry in ini.all("HAL", "HALCMD"):
-        _execute(hal, ini, entry.word(), entry.origin)
-    for file in beside:
-        if file.name not in (*hal.files, *ini.files):
+        else:
             _read_file(hal, ini, file, beside, 0)
-    return hal
 
 
 def _read_file(hal: Hal, ini: Ini, file: ControlFile, beside: Sequence[ControlFile], depth: int) -> None:

@@ -33,8 +33,8 @@ def joint_figures(module: Module, letter: str) -> dict[str, Figure]:
     for key, name in (("velocity", "MAX_VELOCITY"), ("acceleration", "MAX_ACCELERATION")):
         found = [_above_zero(figure) for section in sections if (figure := ini.figure(section, name)) is not None]
         figures[key] = lowest(found) if found else _default(module, letter, key, f"neither {places} has {name}")
-    told = (ini.figure(section, "MAX_JERK") for section in sections)
-    jerks = [figure for figure in told if figure is not None and figure.number > 0.0]
+    of_sections = (ini.figure(section, "MAX_JERK") for section in sections)
+    jerks = [figure for figure in of_sections if figure is not None and figure.number > 0.0]
     of_path = ini.figure("TRAJ", "MAX_LINEAR_JERK")
     if not rotary and of_path is not None and LEAST_JERK <= of_path.number < NO_JERK_LIMIT:
         jerks.append(of_path)

@@ -88,8 +88,8 @@ def loaded_module(ini: Ini, hal: Hal, answers: Answers, length: str) -> Module:
     arguments = dict(part.partition("=")[::2] for part in more)
     if name not in USUAL_LETTERS:
         why = REFUSED.get(name, "it has not three straight and two turning axes")
-        known = ", ".join(USUAL_LETTERS)
-        raise entry.origin.error(f"= {name[:40]}: these kinematics cannot be read: {why} (known: {known})")
+        readable = ", ".join(USUAL_LETTERS)
+        raise entry.origin.error(f"= {name[:40]}: these kinematics cannot be read: {why} (known: {readable})")
     letters = arguments.get("coordinates", "").upper() or USUAL_LETTERS[name]
     module = Module(name, letters, entry.origin, ini, hal, answers, length, arguments)
     _check_letters(module)
@@ -99,9 +99,8 @@ def loaded_module(ini: Ini, hal: Hal, answers: Answers, length: str) -> Module:
 def _entry(ini: Ini, hal: Hal) -> Entry:
     """Where the module is named: in the INI, or by `loadrt` of a HAL file; both must agree."""
     entry = ini.entry("KINS", "KINEMATICS")
-    by_hal = [
-        Entry(text, origin) for text, origin in hal.loaded if text.split()[0] in {**USUAL_LETTERS, **REFUSED}
-    ]  # fmt: skip
+    modules = {*USUAL_LETTERS, *REFUSED}
+    by_hal = [Entry(text, origin) for text, origin in hal.loaded if text.split()[0] in modules]
     if entry is None and not by_hal:
         raise ControlFileError(
             "[KINS] KINEMATICS is missing, and no HAL file loads kinematics; add it", file=ini.file.name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,8 +20,12 @@ from toolpace.machine.from_control.stand_ins import Answers
 
 CONTROL = "LinuxCNC"
 TOLD_BY = "an INI with [KINS] or [TRAJ]"
-LENGTHS = {"mm": "mm", "metric": "mm", "in": "in", "inch": "in", "imperial": "in", "1": "mm", "1.0": "mm"}
+LENGTHS = {"mm": "mm", "metric": "mm", "in": "in", "inch": "in", "imperial": "in"}
 ANGLES = {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "radian": "rad", "radians": "rad"}
+PER_UNIT = {"mm": 1.0, "in": 1.0 / 25.4, "deg": 1.0, "rad": math.pi / 180.0}
+"""Units in a millimetre or a degree, as LinuxCNC takes numbers in place of the names."""
+SAME = 1e-4
+"""By what share such a number may be off."""
 HAL_WORDS = ("loadrt", "loadusr", "net", "setp", "sets", "addf", "source")
 CONTROL_KEYS = {
     "MAX_LINEAR_VELOCITY": "velocity of the path [{}/s]",
@@ -86,9 +91,19 @@ def _unit(ini: Ini, key: str, units: dict[str, str]) -> Figure:
     entry = ini.entry("TRAJ", key)
     if entry is None:
         raise ControlFileError(f"[TRAJ] {key} is missing; add it, as LinuxCNC needs it too", file=ini.file.name)
-    if entry.word().lower() not in units:
+    word = entry.word().lower()
+    name = units.get(word) or next((name for name in units.values() if _is_number(word, PER_UNIT[name])), None)
+    if name is None:
         raise entry.origin.error(f"= '{entry.word()[:20]}'; give one of {', '.join(units)}")
-    return Figure(units[entry.word().lower()], (entry.origin,))
+    return Figure(name, (entry.origin,))
+
+
+def _is_number(word: str, wanted: float) -> bool:
+    """Whether a word is a number, and the one that is wanted but for rounding."""
+    try:
+        return math.isclose(float(word), wanted, rel_tol=SAME)
+    except ValueError:
+        return False
 
 
 def _check_axes(module: Module, letters: str) -> None:
