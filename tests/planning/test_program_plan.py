@@ -14,7 +14,7 @@ from testbed.programs import s_shape, tulsyan
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
-from toolpace.motion.laws.linear import LinearLaw
+from toolpace.motion.laws import LinearLaw
 from toolpace.path.fit import fit
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives
@@ -26,7 +26,7 @@ from toolpace.planning.path_and_pace import alternating, local_refit
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.path_and_pace.effort_settings import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 

@@ -9,9 +9,9 @@ from cyclopts import App
 from toolpace.cli import options
 from toolpace.cli.commands import batch, compare, export, follow, machines, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.common.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 

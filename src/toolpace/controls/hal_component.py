@@ -29,7 +29,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.controls.hal import JOINTS, Request, Rows, approach, make_pins, position, read_request
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
-from toolpace.kernels.follow.path import place_on_path
+from toolpace.kernels.follow.pace import place_on_path
 from toolpace.machine.limits import Limits
 
 SLOWEST = 0.1

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.common.description import counted
 from toolpace.common.units import format_length, format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
@@ -25,7 +25,7 @@ from toolpace.programs.reading.options import ReadOptions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from toolpace.cutting.bending.compensated_program import BendingCompensation
+    from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.judge import Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.programs.reading import Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult
 
@@ -79,7 +79,7 @@ class Job:
 
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
     from toolpace.results import write
 
     job = loaded(job)
@@ -183,7 +183,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
 
 def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
     """The fastest motion along a path."""
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import check_travel
     from toolpace.planning.program_plan import plan_fitted
 
     with steps.step("planning") as step:
@@ -207,8 +207,8 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
     """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
-    from toolpace.cutting.bending.compensated_program import compensate_bending, refuse_coarse
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.cutting.compensated_program import compensate_bending, refuse_coarse
+    from toolpace.path.axis_path import check_travel
 
     refuse_coarse(toolpath, job.tool, job.dt)
     with steps.step("compensating") as step:
@@ -229,7 +229,7 @@ def program_name(job: Job) -> str:
 
 def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
     """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
-    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
+    from toolpace.planning.bound.continuous import is_cheap, with_continuous_bound
 
     return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
 

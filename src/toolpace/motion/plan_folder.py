@@ -14,7 +14,7 @@ from toolpace.common.files import changed, is_folder, reason
 from toolpace.machine.machine import Machine
 from toolpace.motion.recorded_path import recorded_path
 from toolpace.motion.setpoints import SetPoints
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.programs.toolpath import ToolPath
 
 PLAN, MACHINE, SET_POINTS, CONTROLLER, SETUP = (

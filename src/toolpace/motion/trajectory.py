@@ -11,14 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints, number, numbers
-from toolpace.common.description import counted, named, one_line
 from toolpace.common.errors import UsageError
 from toolpace.common.units import SECONDS, ask_about_unit
+from toolpace.common.value_objects import counted, named, one_line
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.setpoints import SetPoints, refuse_too_many
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -277,7 +277,7 @@ class Trajectory:
         polynomial's exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises
         UsageError where a file is missing, was changed, or is of another plan.
         """
-        from toolpace.motion.laws.clock import ClockLaw
+        from toolpace.motion.laws import ClockLaw
         from toolpace.motion.plan_folder import read_plan_folder
 
         found = read_plan_folder(folder)

@@ -8,7 +8,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.path_cache import CachedPath
 
 UNLIKE = 1e-6
@@ -100,7 +100,7 @@ class PathAtProbes:
         """(n,) whether the derivatives at both ends (4, n, m) tell the path in the middle, and what positions gain."""
         limits = self.limits
         of_joints = limits.velocity, limits.acceleration, limits.jerk
-        alike: Bools = between_nodes.unlike(s, low, high, middle, length, z, *of_joints) <= UNLIKE
+        alike: Bools = between_nodes.deviation_from_quintic(s, low, high, middle, length, z, *of_joints) <= UNLIKE
         return alike
 
     def _halves(

@@ -7,7 +7,7 @@ import threading
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 
 class CachedPath:

@@ -12,10 +12,9 @@ from toolpace.kernels.motion import spline_peaks, usage
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.adaptive_sampling import IN_A_STRETCH, beside_tops, unexplained
-from toolpace.motion.laws.linear import LinearLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import LinearLaw, SplineLaw
 from toolpace.motion.usage import ratios_along
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.path_at_probes import PathAtProbes
 from toolpace.planning.path_cache import CachedPath
 

@@ -20,8 +20,8 @@ from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.planned_run import PlannedRun, total_bound
@@ -29,9 +29,9 @@ from toolpace.planning.plausibility import ask_about_degrees, check_count, check
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
 
 
 @runtime_checkable
@@ -57,8 +57,12 @@ class Planner(Protocol):
         ...
 
 
-HOMES = {"optimal": "Optimal", "genetic": "Genetic", "second-order": "SecondOrder"}
-"""Short names of the planners, and their classes in the rooms of the same name."""
+HOMES = {
+    "optimal": ("optimal.planner", "Optimal"),
+    "genetic": ("genetic", "Genetic"),
+    "second-order": ("second_order", "SecondOrder"),
+}
+"""Short names of the planners, and the module and class of each."""
 PLANNERS = tuple(HOMES)
 
 
@@ -134,8 +138,8 @@ def planner_of(planner: str | Planner, options: dict[str, object], asks: str = "
         raise UsageError(f"{asks}: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
     if planner not in HOMES:
         raise UsageError(f"{asks}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
-    room = importlib.import_module(f"toolpace.planning.{planner.replace('-', '_')}.planner")
-    kind = getattr(room, HOMES[planner])
+    module, name_of_class = HOMES[planner]
+    kind = getattr(importlib.import_module(f"toolpace.planning.{module}"), name_of_class)
     known = [field.name for field in fields(kind)]
     for name in options:
         if name not in known:

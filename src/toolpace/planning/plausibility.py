@@ -11,8 +11,8 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UnitWarning, UsageError
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 
 LOOKED_AT = 65
 """Places of a run."""

@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.common.description import counted, one_line
 from toolpace.common.errors import InfeasibleError, ReachError, ToolpaceError, UsageError, did_you_mean
+from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.path_and_pace.alternating import (
@@ -41,7 +41,7 @@ from toolpace.planning.path_and_pace.alternating import (
 )
 from toolpace.planning.path_and_pace.candidate_evaluation import FULL, FullEvaluation
 from toolpace.planning.planner import Planner, plan, planner_of
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 if TYPE_CHECKING:

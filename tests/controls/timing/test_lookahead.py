@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.support.timed_programs import MACHINE, A, J, machine, timed
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves
-from toolpace.kernels.controls import lookahead
+from toolpace.kernels import controls
 from toolpace.programs.reading import Source, read_commanded
 
 
@@ -111,16 +111,16 @@ def test_speeds_of_random_moves_can_be_driven(seed: int):
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     stop, along = rng.random(n) < 0.1, rng.uniform(0.5, 5.0, n)
     room, limit, jerk = rng.uniform(1e-6, 1e-3, n), rng.uniform(1.0, 5.0, axes), rng.uniform(10.0, 500.0, axes)
-    begin, end = lookahead.corner_speeds(
+    begin, end = controls.corner_speeds(
         cruise, length, direction, direction.copy(), stop, room, limit, jerk, np.ones(axes)
     )
     asked = begin.copy(), end.copy()
-    lookahead.ramps(cruise, length, along, begin, end, int(rng.choice([0, 1, 5, 50])))
+    controls.ramps(cruise, length, along, begin, end, int(rng.choice([0, 1, 5, 50])))
     assert (begin <= asked[0] + 1e-15).all() and (end <= asked[1] + 1e-15).all()
     assert (begin >= 0.0).all() and (end[stop] == 0.0).all()
     np.testing.assert_allclose(end[1:-1], begin[2:], atol=1e-12)  # one path, one speed at each corner
     assert (np.abs(end**2 - begin**2)[1:] <= (2.0 * along * length * (1.0 + 1e-9) + 1e-15)[1:]).all()
-    times = lookahead.times_of(cruise, length, along, begin, end)
+    times = controls.times_of(cruise, length, along, begin, end)
     assert (times[1:] >= length[1:] / cruise[1:] * (1.0 - 1e-12)).all()
     # the change at a corner, taken as fast as the axes can, stays within its room
     for i in range(1, n - 1):

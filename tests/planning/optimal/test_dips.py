@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.optimal.problem import OnMesh
 from toolpace.planning.optimal.solve import pinned

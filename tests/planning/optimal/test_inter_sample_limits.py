@@ -11,8 +11,8 @@ from tests.support.mesh_problems import small
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.limit_tolerances import GUARANTEE

@@ -9,7 +9,7 @@ from testbed.jets import harmonics, path_of
 from tests.support.random_paths import random_limits
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.optimal.problem import OnMesh, discretise, weights, with_rows_between
 from toolpace.planning.optimal.rest_cells import rest_cap

@@ -20,7 +20,7 @@ from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_text
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.results import write
 from toolpace.results.write import PlanRecord
 from toolpace.results.write.result import copy_name

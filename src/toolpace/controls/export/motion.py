@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from toolpace.common import __version__
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, reason
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
-from toolpace.common.version import __version__
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory

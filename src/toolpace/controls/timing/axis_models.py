@@ -54,7 +54,7 @@ class Chains:
 
         stop: (n,) rest at the end. tolerance: (n,) [m]. way: (axes,) what a unit of an axis leaves of the path [m].
         """
-        from toolpace.kernels.controls.chains import chains_of
+        from toolpace.kernels.controls import chains_of
 
         step = 0.5 * (ways.first + ways.last) * ways.length[:, None]
         turns = moves.length <= 0.0
@@ -123,18 +123,18 @@ def _driven(
 ) -> Floats:
     """Time of each move (n,) [s].
 
-    Corners as `kernels.controls.lookahead.corner_speeds` says; constant acceleration between them, which no jerk
+    Corners as `kernels.controls.corner_speeds` says; constant acceleration between them, which no jerk
     limits but at stops: each takes longer by what jerk adds to its ramps. line: (n,) length of the straight way that a
     move is part of.
     """
-    from toolpace.kernels.controls import lookahead
+    from toolpace.kernels import controls
 
-    begin, end = lookahead.corner_speeds(
+    begin, end = controls.corner_speeds(
         cruise, line, ways.first, ways.last, stop, room, limits.acceleration, limits.jerk, off
     )
     along = np.minimum(ways.along(limits.acceleration), 1e12)
-    lookahead.ramps(cruise, ways.length, along, begin, end, depth)
-    times = lookahead.times_of(cruise, ways.length, along, begin, end)
+    controls.ramps(cruise, ways.length, along, begin, end, depth)
+    times = controls.times_of(cruise, ways.length, along, begin, end)
     top = np.minimum(cruise, np.sqrt(0.5 * (begin**2 + end**2) + along * ways.length))
     at_rest = np.flatnonzero(stop)
     starts, ends = at_rest[:-1] + 1, at_rest[1:]
@@ -191,18 +191,18 @@ def room_of(moves: Commanded, figures: ControlFigures) -> Floats:
 
 def filtered_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
     """Time of each move (n,) [s], dwells left out. Rapids ramp by their axes' limits, as of the model `lookahead`."""
-    from toolpace.kernels.controls import filtered
+    from toolpace.kernels import controls
 
     limits = limits_of(machine, figures)
     ways = axis_ways(moves, machine, joints=figures.limits == "joints")
     cruise = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)
     ramp, smoothing = filter_lengths(moves, machine, limits, figures)
     stop = rests(moves)
-    speeds = filtered.blended_speeds(
+    speeds = controls.blended_speeds(
         cruise, ways.length, ways.first, ways.last, stop, room_of(moves, figures), limits.acceleration, limits.jerk,
         off_the_path(machine, figures), ramp, smoothing,
     )  # fmt: skip
-    times = filtered.pulse_times(cruise, ways.length, speeds, ramp + smoothing)
+    times = controls.pulse_times(cruise, ways.length, speeds, ramp + smoothing)
     return np.where(moves.rapid, lookahead_times(moves, machine, figures), times)
 
 

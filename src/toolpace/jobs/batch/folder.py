@@ -14,11 +14,11 @@ from urllib.parse import quote
 
 import msgspec
 
-from toolpace.common.description import counted
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.common.units import format_time
-from toolpace.common.version import __version__
+from toolpace.common.value_objects import counted
 from toolpace.jobs.batch.job import BAD, ERROR, GOOD, WAITING, BatchRow
 from toolpace.jobs.batch.work import INSPECTED, MARK, TIMED, Place
 from toolpace.kernels.lock import FileLock

@@ -21,10 +21,10 @@ from typing import Any
 from toolpace.common import units
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import is_folder
-from toolpace.common.files.tables import TableFile, Tables
+from toolpace.common.files.toml import TableFile, Tables
 from toolpace.jobs.batch.job import BatchJob
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.dialect import SUFFIXES
+from toolpace.programs.reading.languages import SUFFIXES
 
 FILE = TableFile("file of jobs", longest=10_000_000)
 MOST = 1_000_000

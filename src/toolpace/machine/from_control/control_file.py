@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from toolpace.common.errors import MachineError
-from toolpace.common.files.whole import reason
+from toolpace.common.files.atomic import reason
 
 LARGEST = 32_000_000
 """Most bytes of a file: archives of a whole control have a few million."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.initial_guess import Guess, from_graded, guess, places, ramp_time, to_graded
 
 STEPS_A_RAMP = 8.0

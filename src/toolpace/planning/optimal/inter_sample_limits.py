@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.workers import UNTOLD, Progress, Workers
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.limit_tolerances import ALLOWED
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.slow_down import slowed_down, within_guarantee, worth

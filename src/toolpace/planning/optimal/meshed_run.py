@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.kernels.motion import inter_sample_rows
+from toolpace.kernels.optimal import limit_rows
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import ALLOWED
 from toolpace.planning.mesh.initial_guess import Guess, ramp_time
@@ -185,5 +185,5 @@ class RowsBetween:
         """
         used, place = peaks.used, peaks.place
         return RowsBetween(
-            *inter_sample_rows.held(nodes, self.place, self.lowered, used, place, wrong, fresh, urge, ALLOWED)
+            *limit_rows.held(nodes, self.place, self.lowered, used, place, wrong, fresh, urge, ALLOWED)
         )

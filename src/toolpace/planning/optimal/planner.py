@@ -22,10 +22,9 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.bound.pieces import bound_long_run
-from toolpace.planning.bound.relaxation import places_in_time
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened

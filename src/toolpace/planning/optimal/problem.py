@@ -11,7 +11,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import highest_of
 from toolpace.planning.optimal.rest_cells import rest_cap

@@ -8,7 +8,7 @@ from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.adaptive_sampling import unexplained
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 REST_STATES, CLOSER_AT_REST = 65, 3
 """States of a rest cell that are looked at, and places of which the surroundings are looked at so again: on a coarse

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.workers import Workers
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.limit_tolerances import GUARANTEE
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import LIMITS, Stalled

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.mesh.nodes import cut_cells
 
 NOTHING = 1e-3

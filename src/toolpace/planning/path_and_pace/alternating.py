@@ -18,8 +18,8 @@ from toolpace.common.errors import InfeasibleError, PathError
 from toolpace.common.workers import UNTOLD, Progress
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.path import Path
@@ -27,7 +27,7 @@ from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import plan
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from toolpace.common.workers import Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import TimeLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planned_run import PlannedRun

@@ -12,9 +12,8 @@ import numpy as np
 
 from toolpace.common.workers import Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.bound.pieces import bound_long_run
-from toolpace.planning.bound.relaxation import places_in_time
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planned_run import PlannedRun

@@ -20,12 +20,12 @@ from scipy.interpolate import BSpline
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.follow import FollowRun
 from toolpace.path.fit.deviation import Comparison
 from toolpace.path.fit.fit import LIMIT, largest_of_cells
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
+from toolpace.path.follow_run import FollowRun
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun
 from toolpace.planning.path_and_pace.effort_settings import EffortSettings

@@ -21,13 +21,13 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.kernels.path_and_pace import newton, stations
+from toolpace.kernels import path_and_pace as kernel
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.follow import FollowRun
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.samples import turn_metric
+from toolpace.path.fit.spline import turn_metric
+from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
 from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 
@@ -36,7 +36,7 @@ JERK = 0.98
 what is left of the jerks is all the freedom that the plan of the changed path has."""
 NUDGE = 1e-4
 """By which coordinates are moved to see what joints do [m or rad]."""
-SLOT = stations.SLOT
+SLOT = kernel.SLOT
 """Unknowns of a slot, and slots of a cell."""
 GROUPS = slice(0, 3), slice(3, 5)
 """Columns of tip and turn: a ball each."""
@@ -97,7 +97,7 @@ class Tube:
             metric[:, :3, :3] = half.metric(at)
         metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
         start = np.searchsorted(cell, np.arange(high - low + 1))
-        self.balls = newton.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
+        self.balls = kernel.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
 
     def moved(self, move: Floats) -> Floats:
         """(n, 5) the part of the path in a move (slots, 6)."""
@@ -121,7 +121,7 @@ class Stretch:
         assert jet.rotary is not None
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
         limits, cap = known.machine.limits, known.joints.speed_cap(s)
-        self.places = stations.Places(
+        self.places = kernel.Places(
             first=low + np.repeat(np.arange(self.cells), each),
             basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
             pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
@@ -135,15 +135,15 @@ class Stretch:
     def at(self, x: Floats) -> State:
         """What is felt with coefficients x (slots, 6)."""
         n, _, m = self.places.joints.shape
-        felt = stations.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
-        stations.feel(self.places, x, felt)
+        felt = kernel.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
+        kernel.feel(self.places, x, felt)
         off = self.tube.off + self.tube.moved(x)
         return State(felt, off, np.einsum("ncd,nd->nc", self.tube.balls.metric, off))
 
     def rows_moved(self, now: State, move: Floats) -> Floats:
         """(n, 3 m + 1) how what is used changes with a move (slots, 6), to the first order."""
         rows = np.empty_like(now.used)
-        stations.move_rows(self.places, now.felt, move, rows)
+        kernel.move_rows(self.places, now.felt, move, rows)
         return rows
 
 
@@ -151,7 +151,7 @@ class Stretch:
 class State:
     """A stretch with some change."""
 
-    felt: stations.Felt
+    felt: kernel.Felt
     """At the places of its rows."""
     off: Floats
     """(k, 5) deviation from the program where the tube is held [tolerances]."""

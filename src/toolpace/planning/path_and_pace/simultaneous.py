@@ -15,10 +15,9 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError, ReachError
 from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw, TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.limit_tolerances import PROMISED

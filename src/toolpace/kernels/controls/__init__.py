@@ -1,1 +1,0 @@
-"""Kernels of control models: the speed from block to block."""
