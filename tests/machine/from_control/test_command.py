@@ -47,12 +47,15 @@ def test_a_machine_is_shown_printed_and_posed_without_a_file(mill, tmp_path, cap
 
 
 def test_a_person_at_a_terminal_is_asked(mill, tmp_path, capsys, monkeypatch):
-    """The first answer counts; an empty one, and the end of what is typed, are the stand-in."""
-    monkeypatch.setattr("sys.stdin", _Terminal("12345\n\n"))
+    """A slip is asked about again; an empty answer, and the end of what is typed, are the stand-in."""
+    monkeypatch.setattr("sys.stdin", _Terminal("fast\n12345\n\n"))
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     place = tmp_path / "my-mill.toml"
     assert main(["machines", "--from", str(mill), "--write", str(place)]) == 0
-    assert "jerk of X [mm/s^3]\n  [9000: ten times the acceleration, per second]" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "jerk of X [mm/s^3]\n  [9000: ten times the acceleration, per second]" in shown
+    assert "'fast'; give a number" in shown
+    assert "jerk of X [mm/s^3]: not in" not in shown and "jerk of Y [mm/s^3]: not in" in shown
     joints = Machine.load(place).file.joints
     assert joints["X"].jerk == pytest.approx(12.345) and joints["Y"].jerk == pytest.approx(9.0)
     assert "# mm/s^3; answered to the question for it" in place.read_text()

@@ -173,7 +173,7 @@ def test_a_wrong_answer_is_refused(tmp_path):
     path = written(tmp_path, mill_ini=ini_text("trivkins coordinates=XYZAC", "XYZAC"))
     with pytest.raises(ControlFileError, match="'AB/'; known: AC/, A/C, /AC, CA/, C/A, /CA"):
         read_control([path], Answers(lambda question: "AB/"))
-    with pytest.raises(ControlFileError, match=r"a point on the axis of A.*'1, 2'; give 3 numbers"):
+    with pytest.raises(ControlFileError, match=r"a point on the axis of A.*'1, 2'; give 3 numbers, commas between"):
         read_control([path], Answers(lambda question: "1, 2" if "point" in question.what else ""))
 
 

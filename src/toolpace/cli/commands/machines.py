@@ -109,6 +109,8 @@ def _from_control(console: Console, files: list[str], toml: bool, poses: bool, w
 
 def _ask(question: Question) -> str:
     """What a person types for what is missing; nothing, and the end of input, are the stand-in."""
+    if question.complaint:
+        print(printable(question.complaint))
     print(f"{printable(question.what)}\n  [{question.stand_in}: {printable(question.reason)}] ", end="", flush=True)
     return sys.stdin.readline()
 

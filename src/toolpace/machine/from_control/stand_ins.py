@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import did_you_mean
 from toolpace.machine.figures import USUAL
 from toolpace.machine.from_control.control_file import ControlFileError
-from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
+from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, Value
 
 JERK_PER_ACCELERATION = 10.0
 """[1/s]"""
+ATTEMPTS = 3
+"""Times that a person is asked, before a wrong answer is an error."""
 FAR = {"linear": 1.0, "rotary": 2.0 * math.pi}
 """Travel to either side of zero of a joint without limits [m or rad]."""
 ANSWERED = "answered to the question for it"
@@ -28,6 +30,8 @@ class Question:
     """As it would be typed: a number, numbers with commas, or a word."""
     reason: str
     """As `ten times the acceleration, per second`."""
+    complaint: str = ""
+    """What was wrong with the answer before."""
 
 
 @dataclass
@@ -47,23 +51,35 @@ class Answers:
         return Figure(question.stand_in, (Origin(f"stand-in: {question.reason}"),))
 
     def choice(self, question: Question, choices: Sequence[str]) -> Figure:
-        """One of several words. Raises ControlFileError for another."""
-        figure = self.text(question)
-        if figure.value not in choices:
-            raise ControlFileError(f"{question.what}: '{str(figure.value)[:40]}'; {did_you_mean('', choices)}")
-        return figure
+        """One of several words. Raises ControlFileError for others."""
+        return self._read(question, lambda text: text if text in choices else None, did_you_mean("", choices))
 
     def numbers(self, question: Question, count: int) -> Figure:
         """Several numbers, as `0, 20, 10`; one alone is no tuple. Raises ControlFileError for anything else."""
-        figure = self.text(question)
-        try:
-            values = tuple(float(part) for part in str(figure.value).split(","))
-        except ValueError:
-            values = ()
-        if len(values) != count or not all(map(math.isfinite, values)):
-            wanted = "a number" if count == 1 else f"{count} numbers with commas between"
-            raise ControlFileError(f"{question.what}: '{str(figure.value)[:40]}'; give {wanted}")
-        return Figure(values[0] if count == 1 else values, figure.origins)
+
+        def read(text: str) -> float | tuple[float, ...] | None:
+            try:
+                values = tuple(float(part) for part in text.split(","))
+            except ValueError:
+                return None
+            if len(values) != count or not all(map(math.isfinite, values)):
+                return None
+            return values[0] if count == 1 else values
+
+        return self._read(question, read, "give a number" if count == 1 else f"give {count} numbers, commas between")
+
+    def _read(self, question: Question, read: Callable[[str], Value | None], cure: str) -> Figure:
+        """The answer as a value; a person who mistypes is asked again."""
+        for attempt in range(ATTEMPTS):
+            figure = self.text(question)
+            value = read(str(figure.value))
+            if value is not None:
+                return Figure(value, figure.origins)
+            complaint = f"'{str(figure.value)[:40]}'; {cure}"
+            if self.ask is None or attempt + 1 == ATTEMPTS:
+                break
+            question = replace(question, complaint=complaint)
+        raise ControlFileError(f"{question.what}: {complaint}")
 
 
 def complete(record: MachineRecord, answers: Answers) -> None:
