@@ -57,10 +57,14 @@ def _fork_head(nose: np.ndarray, b: float, c: float) -> np.ndarray:
     return nose + [0, 0, 212.0] + length * spherical
 
 
-def _max(nose: np.ndarray, b: float, c: float) -> np.ndarray:
+def _max(sense: float):
     """maxkins by its inverse: joints = position turned back by C, less the tilt of B (no tool)."""
-    tilt = 130.0 * np.array([np.sin(np.radians(b)), 0.0, 1.0 - np.cos(np.radians(b))])
-    return _turn("z", c) @ (nose + tilt)
+
+    def tip(nose: np.ndarray, b: float, c: float) -> np.ndarray:
+        tilt = 130.0 * np.array([sense * np.sin(np.radians(b)), 0.0, 1.0 - np.cos(np.radians(b))])
+        return _turn("z", c) @ (nose + tilt)
+
+    return tip
 
 
 CASES = {
@@ -81,7 +85,10 @@ CASES = {
         "xyzab_tdr_kins", "XYZAB", "tool-offset-z", PINS | {"x-offset": -20.0, "z-offset": -10.0}, _two_tables,
     ),
     "BC head": ("5axiskins", "XYZBCW", "", {}, _fork_head),
-    "B head, C table": ("maxkins", "XYZABCUVW", "", {"pivot-length": 130.0}, _max),
+    "B head, C table": ("maxkins", "XYZABCUVW", "", {"pivot-length": 130.0}, _max(1.0)),
+    "B head, conventional": (
+        "maxkins", "XYZABCUVW", "", {"pivot-length": 130.0, "conventional-directions": 1}, _max(-1.0),
+    ),
 }  # fmt: skip
 PIVOT = (
     "loadrt sum2 names=pivot\nsetp pivot.in0 [GEOMETRY]PIVOT\nnet tool motion.tooloffset.z => pivot.in1\n"
@@ -178,11 +185,13 @@ def test_a_wrong_answer_is_refused(tmp_path):
 
 
 def test_a_machine_of_three_axes_holds_the_others_at_zero(tmp_path):
-    machine = read_control([written(tmp_path, mill_ini=ini_text("trivkins coordinates=XYZ", "XYZ"))]).machine
+    draft = read_control([written(tmp_path, mill_ini=ini_text("trivkins coordinates=XYZ", "XYZ"))])
+    machine = draft.machine
     q = np.zeros(5)
     q[[machine.joints.index(letter) for letter in "XYZ"]] = 0.01, 0.02, 0.03
     tip, axis = machine.forward(q)
     assert tip == pytest.approx([0.01, 0.02, 0.03]) and axis == pytest.approx([0, 0, 1])
+    assert "leans" not in draft.text and draft.text.count("the machine has no such axis: it is held at zero") == 16
     assert {name: machine.travel[k].tolist() for k, name in enumerate(machine.joints) if name in "AC"} == {
         name: pytest.approx([-0.001 * DEGREE, 0.001 * DEGREE]) for name in "AC"
     }

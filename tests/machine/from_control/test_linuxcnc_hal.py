@@ -61,6 +61,29 @@ def test_a_tool_length_that_is_not_connected_is_told(tmp_path):
     assert note.split(" with ")[0] in _draft(tmp_path, "").text
 
 
+def test_a_pivot_with_the_tool_in_it_needs_no_note(tmp_path):
+    text = ini_text("5axiskins", "XYZBCW", lines=["HALFILE = mill.hal"])
+    hal = "net tool motion.tooloffset.z => s.in1\nsetp s.in0 200\nnet length s.out => 5axiskins.pivot-length\n"
+    draft = read_control([written(tmp_path, mill_ini=text, mill_hal=hal)])
+    assert draft.machine.file.joints["B"].point == pytest.approx((0.0, 0.0, 0.2))
+    assert "does not have the tool's length" not in draft.text
+    without = read_control([written(tmp_path, mill_ini=text, mill_hal="setp 5axiskins.pivot-length 200\n")])
+    assert without.machine == draft.machine and "does not have the tool's length" in without.text
+
+
+def test_a_fixed_tool_lifts_both_tables(tmp_path):
+    lines = [f"HALCMD = setp xyzab_tdr_kins.{pin}" for pin in ("tool-offset-z 50", "z-rot-point 7", "z-offset -10")]
+    path = written(tmp_path, mill_ini=ini_text("xyzab_tdr_kins", "XYZAB", lines=lines))
+    joints = read_control([path]).machine.file.joints
+    assert (joints["B"].point[2], joints["A"].point[2]) == pytest.approx((0.057, 0.047))
+
+
+def test_a_hal_file_that_the_ini_does_not_name_counts_if_it_is_given(tmp_path):
+    path = written(tmp_path, mill_ini=ini_text(PIN, "XYZAC"), extra_hal=f"setp {PIN}.z-offset 6\n")
+    assert _height(read_control([path])) == 0.0
+    assert _height(read_control([path, tmp_path / "extra.hal"])) == pytest.approx(6.0)
+
+
 def test_kinematics_that_hold_the_tip_from_the_start_are_told(tmp_path):
     assert "tip_mode_at_start = true" in _draft(tmp_path, "").text
     assert "tip_mode_at_start" not in _draft(tmp_path, "", kinematics=f"{PIN} sparm=identityfirst").text

@@ -73,10 +73,11 @@ def test_the_text_of_a_draft_is_its_machine(tmp_path):
 
 def test_jerk_is_that_of_the_joint_or_else_of_the_path_and_else_stood_in_for(tmp_path):
     sections = {"JOINT_0": {"MAX_JERK": 5000.0}, "AXIS_X": {"MAX_JERK": 0.0}, "TRAJ": {"MAX_LINEAR_JERK": 9000.0}}
+    sections |= {"AXIS_Z": {"MAX_JERK": 7000.0}, "JOINT_2": {"MAX_JERK": 6000.0}}
     draft = read_control([written(tmp_path, mill_ini=ini_text(*TABLE, sections=sections))])
     joints = draft.machine.file.joints
     assert joints["X"].jerk == pytest.approx(5.0) and joints["Y"].jerk == pytest.approx(9.0)
-    assert joints["A"].jerk == pytest.approx(9000 * DEGREE)
+    assert joints["Z"].jerk == pytest.approx(6.0) and joints["A"].jerk == pytest.approx(9000 * DEGREE)
     assert [question.what for question in draft.stand_ins] == ["jerk of A [deg/s^3]", "jerk of C [deg/s^3]"]
     assert draft.text.count("stand-in: ten times the acceleration, per second") == 2
     assert "# NOT in these files: jerk of A [deg/s^3]; 9000 is a stand-in" in draft.text
@@ -109,6 +110,29 @@ def test_units_may_be_numbers_of_them_in_a_millimetre_and_a_degree(tmp_path):
     assert machine.file.joints["A"].velocity == pytest.approx(200.0)
 
 
+def test_a_linear_axis_without_limits_gets_a_travel_that_is_told(tmp_path):
+    endless = dict.fromkeys(("MIN_LIMIT", "MAX_LIMIT"))
+    text = ini_text(*TABLE, sections={"AXIS_Y": endless, "JOINT_1": {"MIN_LIMIT": -1e99, "MAX_LIMIT": 1e99}})
+    draft = read_control([written(tmp_path, mill_ini=text)])
+    assert draft.machine.file.joints["Y"].travel == (-1.0, 1.0)
+    assert "travel of Y [mm]" in [question.what for question in draft.stand_ins]
+
+
+def test_limits_that_no_section_tells_are_the_controls_own_and_told(tmp_path):
+    gone = dict.fromkeys(("MAX_VELOCITY", "MAX_ACCELERATION"))
+    draft = read_control([written(tmp_path, mill_ini=ini_text(*TABLE, sections={"AXIS_Z": gone, "JOINT_2": gone}))])
+    joint = draft.machine.file.joints["Z"]
+    assert (joint.velocity, joint.acceleration, joint.jerk) == pytest.approx((1e-3, 1e-3, 1e-2))
+    assert [each.reason.split(",")[0] for each in draft.stand_ins[:2]] == ["LinuxCNC's own default"] * 2
+
+
+def test_digits_are_kept_and_rounding_of_sums_is_not(tmp_path):
+    lines = ["HALCMD = setp xyzac-trt-kins.z-rot-point 0.1", "HALCMD = setp xyzac-trt-kins.z-offset 0.2"]
+    text = ini_text(*TABLE, sections={"JOINT_0": {"MAX_VELOCITY": 123.4567891}}, lines=lines)
+    shown = read_control([written(tmp_path, mill_ini=text)]).text
+    assert "velocity = 123.4567891 " in shown and "point = [0, 0, 0.3] " in shown
+
+
 def test_includes_and_files_given_beside_the_ini_are_read(tmp_path):
     text = ini_text(*TABLE, lines=["HALFILE = where/else/pins.hal"])
     body = text[text.index("[TRAJ]") :].replace("MAX_VELOCITY = 200.0", "MAX_VELOCITY = 120.0 # tested")
@@ -137,6 +161,8 @@ def test_what_the_control_keeps_beside_the_joints_is_told(tmp_path):
 AXIS = {"MIN_LIMIT": 5.0, "MAX_LIMIT": 2.0}
 REFUSED = {
     "travel the wrong way": (*TABLE, {"AXIS_Y": AXIS}, r"mill.ini:\d+: .* MIN_LIMIT = 5 is not below .*:\d+ .AXIS_Y"),
+    "no travel": (*TABLE, {"AXIS_Y": dict.fromkeys(AXIS, 0.0)}, r"mill.ini:\d+: .* MIN_LIMIT = 0 is not below .*:\d+ "),
+    "an axis that is nowhere": ("trivkins", "XY", {"TRAJ": {"COORDINATES": "XYZ"}}, "nor .JOINT_2. is there: the file"),
     "a robot": ("pumakins", "XYZABC", {}, r"mill.ini:\d+: .*KINEMATICS = pumakins: these kinematics cannot"),
     "three turning axes": ("xyzacb_trsrn", "XYZABC", {}, "it has three turning axes"),
     "three of trivkins": ("trivkins", "XYZABC", {}, "has the turning axes A, B, C; a machine here has two"),

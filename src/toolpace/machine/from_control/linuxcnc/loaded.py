@@ -70,7 +70,7 @@ class Module:
         if value.unknown:
             question = Question(
                 f"{full} [{self.length}]",
-                f"{default + value.number:g}",
+                f"{default:g}",
                 f"the module's own default; HAL connects it to {value.unknown[0]}, whose value no file tells",
             )
             return self.answers.numbers(question, 1)
