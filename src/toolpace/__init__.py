@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
+    from toolpace.motion.files.set_point_files import read_set_points
     from toolpace.motion.laws import Probe, TimeLaw
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
@@ -153,6 +154,7 @@ __all__ = [
     "program_time",
     "prove",
     "read",
+    "read_set_points",
     "read_text",
     "replan",
     "report",
@@ -242,6 +244,7 @@ _HOME = {
     "program_time": "controls.timing.program_time",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
+    "read_set_points": "motion.files.set_point_files",
     "read_text": "programs.reading",
     "replan": "deflection.new_trajectory",
     "report": "results.report",

@@ -69,7 +69,7 @@ def plan_command(
     files: options.Files = options.USUAL_FILES,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
+    """Plan the fastest motion of a program on a machine; write plan.json, set-points and report.html.
 
     The program is smoothed within the tolerances and planned up to the limits of
     the machine and its own feeds. The motion is verified independently, and written
@@ -107,13 +107,13 @@ def plan_command(
         tool=arguments.tool_named(bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
-        npz=arguments.npz_wanted(files.npz),
+        npz=arguments.form_of_set_points(files.npz),
         report=not files.no_report,
     )
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
-    summary.show_files(console, task.out, job.written(task, record))
+    summary.show_files(console, task.out, job.written(task, record), record)
     return job.exit_code(record, verification)
 
 
@@ -290,7 +290,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     task = job.Job(Path(source.name), machine, place, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
     record, verification = job.carry_out(task, steps)
     summary.show_plan(console, record, verification)
-    summary.show_files(console, place, job.written(task, record))
+    summary.show_files(console, place, job.written(task, record), record)
     report = (place / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
     return job.exit_code(record, verification)

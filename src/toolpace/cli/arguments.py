@@ -154,11 +154,11 @@ def tool_named(path: str | None) -> CuttingTool | None:
     return load_tool(path)
 
 
-def npz_wanted(text: str) -> bool:
-    """Whether set-points are written: all of them, or none."""
-    if text not in ("all", "none"):
-        raise UsageError(f"--npz {text[:40]}: give all or none")
-    return text == "all"
+def form_of_set_points(text: str) -> str:
+    """How set-points are written: full, compact, auto or no."""
+    from toolpace.motion.files.set_point_files import form_named
+
+    return form_named("--npz", text)
 
 
 def time_given(option: str, text: str) -> float:

@@ -115,9 +115,8 @@ def _share_out(work: Work, kept: Store, tell: Tell) -> bool:
 
 def cores() -> int:
     """How many cores this process may use."""
-    if sys.platform == "linux":
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)  # Linux
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 def _start(kept: Store) -> subprocess.Popen[str]:

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+import importlib
 from pathlib import Path
 from types import TracebackType
-from typing import IO
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
+from typing import IO, Any
 
 
 class FileLock:
@@ -22,15 +17,17 @@ class FileLock:
         self._file: IO[bytes] | None = None
 
     def take(self) -> bool:
-        """Whether this process has the lock now; raises OSError where the file system knows no locks."""
+        """Whether this process has the lock now; raises OSError where the system knows no locks."""
         if self._file is None:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("ab")
         try:
-            if sys.platform == "win32":
-                msvcrt.locking(self._file.fileno(), msvcrt.LK_NBLCK, 1)
+            if (posix := _module("fcntl")) is not None:
+                posix.flock(self._file.fileno(), posix.LOCK_EX | posix.LOCK_NB)
+            elif (windows := _module("msvcrt")) is not None:
+                windows.locking(self._file.fileno(), windows.LK_NBLCK, 1)
             else:
-                fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+                raise OSError("this system knows no locks")
         except (BlockingIOError, PermissionError):
             return False
         return True
@@ -43,3 +40,11 @@ class FileLock:
         """Let go: a file that is closed is no longer locked."""
         if self._file is not None:
             self._file.close()
+
+
+def _module(name: str) -> Any:
+    """A module of one kind of system; None on the others."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None

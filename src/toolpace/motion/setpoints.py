@@ -98,7 +98,7 @@ class SetPoints(ByValue):
         step = self.tip[1:] - self.tip[:-1]
         if len(self.tool_length):
             step += np.diff(self.tool_length)[:, None] * self.axis[1:]
-        way: Floats = np.sqrt((step**2).sum(axis=1))
+        way: Floats = np.sqrt(np.einsum("ij,ij->i", step, step))
         return way
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -27,9 +27,9 @@ from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
 from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
+from toolpace.planning.optimal.inter_sample_limits import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
-from toolpace.planning.optimal.slow_down import easing, slowing, within_guarantee
 from toolpace.planning.planner import plan
 
 CELLS = 9000

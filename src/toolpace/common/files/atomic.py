@@ -8,6 +8,7 @@ whoever comes next may remove what is not locked, and never takes anything from 
 from __future__ import annotations
 
 import hashlib
+import importlib
 import os
 import re
 import secrets
@@ -21,9 +22,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-
-if sys.platform != "win32":
-    import fcntl
+from typing import Any
 
 from toolpace.common.errors import UsageError
 from toolpace.common.files.seal import foreign, read_seal
@@ -161,7 +160,7 @@ def sweep(target: Path) -> None:
 
     What is locked belongs to a run under way; what is another user's, or holds what toolpace did not write, stays.
     """
-    if sys.platform == "win32":
+    if sys.platform == "win32" or _locks() is None:
         return
     try:
         with os.scandir(target.parent) as entries:
@@ -205,16 +204,25 @@ def _mark(target: Path) -> str:
     return hashlib.sha256(os.fsencode(target.name)).hexdigest()[:8]
 
 
+def _locks() -> Any:
+    """The module of locks on open files; None where the system has none, as Windows."""
+    try:
+        return importlib.import_module("fcntl")
+    except ImportError:
+        return None
+
+
 def _locked(path: Path) -> int | None:
     """A handle that holds the lock on a path, or None where the system has no such locks.
 
     Raises BlockingIOError where somebody else has it, OSError where the path cannot be opened.
     """
-    if sys.platform == "win32":
+    locks = _locks()
+    if sys.platform == "win32" or locks is None:
         return None
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        locks.flock(handle, locks.LOCK_EX | locks.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
         raise

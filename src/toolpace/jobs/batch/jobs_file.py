@@ -43,9 +43,9 @@ UNITS: dict[str, Callable[[str], float]] = {
 """Keys that are quantities, written with their units."""
 WORDS = (
     "what", "planner", "effort", "feed", "bend", "dialect", "controller", "setup", "compensation", "model", "to",
-    "machine", "columns", "units",
+    "machine", "columns", "units", "npz",
 )  # fmt: skip
-SWITCHES = ("csv", "npz", "report", "skip_unknown", "lenient", "optimum")
+SWITCHES = ("csv", "report", "skip_unknown", "lenient", "optimum")
 KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "export")
 
 
@@ -150,6 +150,8 @@ class _File(Tables):
         if key in SWITCHES:
             if not isinstance(value, bool):
                 self.fail(place, f"{key} = {value!r:.40}: write true or false")
+            return value
+        if key == "npz" and isinstance(value, bool):
             return value
         if key == "max_blocks":
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:

@@ -33,9 +33,8 @@ from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.inter_sample_limits import held_between_nodes
-from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun
+from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun, on_finer_mesh, too_short
 from toolpace.planning.optimal.solve import Stalled, pinned, slower
-from toolpace.planning.optimal.undershoot import on_finer_mesh, too_short
 from toolpace.planning.optimal.windows import solve_run
 
 FAR = 0.02

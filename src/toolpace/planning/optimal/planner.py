@@ -29,7 +29,7 @@ from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
 from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
-from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes
+from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes, without_falls
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
@@ -135,6 +135,8 @@ def held_law(
             law = law_with_switches(meshed, law, guard, workers, told, most_rounds)
         elif guard:
             law = held_between_nodes(meshed, law, cells is not None, workers, told, most_rounds)
+        elif cells is None:
+            law = without_falls(meshed, law, workers)
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)

@@ -1,4 +1,4 @@
-"""The linearised limits and tolerances of a segment under small changes of its path and speed.
+"""The linearised limits and tolerances of a segment under small changes of its path and speed, by effort.
 
 Over the time t of the motion at hand, tip and rotary joints x(t) change by d(t), and the pace by z = (dt / dt_new)^2,
 which was 1. The joints q then have, with primes for derivatives by t,
@@ -16,6 +16,7 @@ slot k: each cell has six neighbouring slots of six unknowns, the last of them t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -29,7 +30,6 @@ from toolpace.path.fit.polyline import Polyline
 from toolpace.path.fit.spline import turn_metric
 from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
-from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 
 JERK = 0.98
 """Share of the jerk limits that the change may use: where an acceleration or a velocity at its limit tells the pace,
@@ -215,3 +215,25 @@ def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
 def slots_of(breaks: Floats) -> int:
     """How many slots a run with these breaks has."""
     return len(breaks) + 4
+
+
+class EffortSettings(NamedTuple):
+    """The discretisation of the change, and when its methods are at their end."""
+
+    longest: float
+    """Most time from knot to knot, in that in which an acceleration builds up."""
+    places: int
+    """In each cell, evenly spread, at which limits are held."""
+    gap: float
+    """At which the interior-point method ends, relative to the time."""
+    steps: int
+    """After which it ends in any case."""
+    seams: bool
+    """Whether windows over the seams of the others follow."""
+
+
+THOROUGH = EffortSettings(0.08, 4, 1e-2, 60, True)
+"""All that is to be had, nearly."""
+QUICK = EffortSettings(0.08, 2, 0.1, 14, False)
+"""Most of it for a tenth of the time: between its places limits are passed a little, which the plan of the path
+mends."""
