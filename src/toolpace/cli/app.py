@@ -7,7 +7,7 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
-from toolpace.cli.commands import batch, compare, export, follow, setup, tolerance
+from toolpace.cli.commands import batch, compare, export, follow, machines, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -25,6 +25,7 @@ Examples:
     toolpace inspect part.ngc         what a program contains and needs
     toolpace demo                     see it work, on a part of its own
     toolpace machines                 the built-in machines and their limits
+    toolpace machines --from mill.ini --write mill.toml    a machine from its control's files
     toolpace plan part.ngc -m xyzac-trunnion        plan, and write a report
     toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and the optimum
     toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part for the least time
@@ -263,36 +264,7 @@ def controllers_command(name: options.OneController = None, /, *, toml: options.
     return 0
 
 
-@app.command(name="machines", help_epilogue="")
-def machines_command(
-    name: options.OneMachine = None, /, *, toml: options.Toml = False, poses: options.Poses = False
-) -> int:
-    """List the built-in machines with their class, travel and limits.
-
-    Start your own machine file from a built-in one. Before the first program runs,
-    drive the real machine to a few of the poses and compare: a wrong sign or order
-    shows in the tool axis, a wrong point in the tip.
-
-    For example:
-
-        toolpace machines
-        toolpace machines xyzac-trunnion --toml > my-mill.toml
-        toolpace machines my-mill.toml --poses
-    """
-    from toolpace.cli import arguments, summary
-    from toolpace.machine.machine import Machine
-
-    console = new_console()
-    if toml or poses:
-        machine = Machine.load(arguments.one_machine(name, toml, poses))
-        if toml:
-            print(machine.to_toml(), end="")
-        else:
-            summary.show_poses(console, machine)
-        return 0
-    for each in Machine.names() if name is None else (name,):
-        summary.show_machine(console, Machine.load(each))
-    return 0
+app.command(machines.machines_command, name="machines", help_epilogue="")
 
 
 @app.command(name="demo", help_epilogue="")

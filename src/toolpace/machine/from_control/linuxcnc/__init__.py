@@ -1,0 +1,1 @@
+"""LinuxCNC: an INI with the HAL files that it names."""

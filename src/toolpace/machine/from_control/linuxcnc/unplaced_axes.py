@@ -1,0 +1,90 @@
+"""Chains of kinematics that say nothing of turning axes: what carries them is asked for, or stood in for.
+
+`trivkins` moves each axis by its joint, whatever turns what. A machine with fewer than two turning axes gets axes in
+their place that are held at zero, since every machine here has two.
+"""
+
+from __future__ import annotations
+
+from toolpace.machine.figures import USUAL
+from toolpace.machine.from_control.linuxcnc.limits import TURNING
+from toolpace.machine.from_control.linuxcnc.loaded import Module
+from toolpace.machine.from_control.linuxcnc.tables_and_heads import ALONG
+from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
+from toolpace.machine.from_control.stand_ins import Question
+
+HELD = 0.001
+"""Travel to either side of zero of an axis that the machine does not have [deg]."""
+TABLES = {"AC": "AC/", "BC": "BC/", "AB": "BA/"}
+"""Two turning axes as a tilting table that carries another, with the usual one beneath."""
+ABSENT = (Origin("the machine has no such axis: it is held at zero"),)
+
+
+def place(module: Module, record: MachineRecord, letters: str) -> None:
+    """Fill in [chain], direction and point of the turning joints. Raises ControlFileError."""
+    turning = "".join(sorted(letter for letter in letters if letter in TURNING))
+    if len(turning) > 2:
+        raise module.origin.error(
+            f"has the turning axes {', '.join(turning)}; a machine here has two: take one out of [TRAJ] COORDINATES"
+        )
+    arrangement = _arrangement(module, turning) if turning else Figure("/", ABSENT)
+    workpiece, _, tool = str(arrangement.value).partition("/")
+    for letter in turning:
+        _ask_where(module, record, letter, letter in workpiece)
+    held = "C" if turning in ("A", "B") else "A" if turning == "C" else "AC" if not turning else ""
+    for letter in held:
+        _hold(record, letter)
+    if held == "AC":
+        workpiece = "AC"
+    elif held == "C":
+        workpiece += "C"
+    elif held == "A":
+        workpiece, tool = ("A" + workpiece, tool) if workpiece else (workpiece, tool + "A")
+    record.chain["workpiece"] = Figure(tuple(workpiece), arrangement.origins)
+    record.chain["tool"] = Figure(("X", "Y", "Z", *tool), arrangement.origins)
+    record.chain["spindle_nose"] = Figure((0.0, 0.0, 0.0), (Origin("the nose is at X, Y, Z"),))
+    record.chain["tool_length"] = Figure(0.0, (Origin("tools have their lengths in the set-up sheet"),))
+
+
+def _arrangement(module: Module, turning: str) -> Figure:
+    """Which turning axes carry the workpiece and which the tool, as `AC/` or `C/A`: from the bed on either side."""
+    orders = [turning] if len(turning) == 1 else [turning, turning[::-1]]
+    choices = [f"{order[:k]}/{order[k:]}" for order in orders for k in range(len(order), -1, -1)]
+    usual = TABLES.get(turning, f"{turning}/")
+    question = Question(
+        f"axes {', '.join(turning)}: those from the bed to the workpiece, a slash, those from the bed to the tool "
+        f"({', '.join(dict.fromkeys(choices))})",
+        usual,
+        f"tables are the most frequent; {module.name} does not tell",
+    )
+    return module.answers.choice(question, choices)
+
+
+def _ask_where(module: Module, record: MachineRecord, letter: str, on_table: bool) -> None:
+    """Point and sense of a turning axis."""
+    point = Question(
+        f"a point on the axis of {letter}, where the control displays X, Y, Z there [{module.length}]",
+        "0, 0, 0",
+        f"machine zero; {module.name} does not tell",
+    )
+    sense = Question(
+        f"positive {letter} turns the tool, as the part sees it, by the right-hand rule (yes, no)",
+        "yes",
+        "as ISO 841 wants it",
+    )
+    record.joints[letter]["point"] = module.answers.numbers(point, 3)
+    answer = module.answers.choice(sense, ("yes", "no"))
+    sign = (-1.0 if on_table else 1.0) * (1.0 if answer.value == "yes" else -1.0)
+    record.joints[letter]["direction"] = Figure(tuple(sign * part + 0.0 for part in ALONG[letter]), answer.origins)
+
+
+def _hold(record: MachineRecord, letter: str) -> None:
+    """An axis that the machine does not have, at rest."""
+    record.held.append(letter)
+    record.joints[letter] = {
+        "kind": Figure("rotary", ABSENT),
+        "direction": Figure(tuple(-part + 0.0 for part in ALONG[letter]), ABSENT),
+        "point": Figure((0.0, 0.0, 0.0), ABSENT),
+        "travel": Figure((-HELD, HELD), ABSENT),
+    } | {key: Figure(usual.typical, ABSENT, f"rad/s{power}") for (key, usual), power in zip(
+        USUAL["rotary"].items(), ("", "2", "3"))}  # fmt: skip

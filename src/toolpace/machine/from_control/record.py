@@ -1,0 +1,111 @@
+"""What a control's files tell of a machine: figures as they stand there, each with its unit, file and line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from toolpace.machine.from_control.control_file import ControlFileError
+
+Value = bool | float | str | tuple[float, ...] | tuple[str, ...]
+"""As in a machine file: a number, a word, a vector, the names of joints."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a figure is from: a line of a file, or a reason in words (`file` is empty)."""
+
+    name: str
+    """What the figure is called there, as `[JOINT_3] MAX_VELOCITY`; or the reason."""
+    file: str = ""
+    line: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line} {self.name}" if self.file else self.name
+
+    def error(self, message: str) -> ControlFileError:
+        """What is wrong with the figure, at its line."""
+        return ControlFileError(f"{self.name} {message}", file=self.file, line=self.line)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A value with its origins: several where it was made of several, as a travel of its two ends."""
+
+    value: Value
+    origins: tuple[Origin, ...]
+    unit: str = ""
+    """Of a limit of a joint (`common/units.py: JOINT_LIMITS`), as `m/s2`; empty: in the units of the record."""
+
+    @property
+    def number(self) -> float:
+        """Of a figure that is one number."""
+        assert isinstance(self.value, (int, float))
+        return float(self.value)
+
+    @property
+    def origin(self) -> str:
+        """Where it is from, in words."""
+        return " and ".join(dict.fromkeys(map(str, self.origins)))
+
+    def named(self, names: Mapping[str, str]) -> Figure:
+        """The figure with other names of the files that it is from."""
+        origins = tuple(replace(each, file=names.get(each.file, each.file)) for each in self.origins)
+        return replace(self, origins=origins)
+
+
+@dataclass
+class MachineRecord:
+    """A machine as far as its control's files tell it. Keys are those of a machine file (docs/tutorial/machine.md)."""
+
+    control: str
+    """As `LinuxCNC`."""
+    name: str
+    files: tuple[str, ...]
+    """Names of those that were read."""
+    length: Figure
+    """"mm", "in" or "m": the unit of lengths, linear joints and their limits unless a figure has its own."""
+    angle: Figure
+    """"deg" or "rad"."""
+    chain: dict[str, Figure] = field(default_factory=dict)
+    """Keys of the table [chain]."""
+    joints: dict[str, dict[str, Figure]] = field(default_factory=dict)
+    """Keys of the table [joints.NAME], by name."""
+    machine_zero: dict[str, Figure] = field(default_factory=dict)
+    """By axis letter: the joint's position at which the control displays zero, for the set-up sheet."""
+    control_figures: dict[str, Figure] = field(default_factory=dict)
+    """What the control limits beside the joints, as the path's velocity; by a name with its unit."""
+    held: list[str] = field(default_factory=list)
+    """Turning joints that the machine does not have: at rest, since every machine here has two."""
+    remarks: list[str] = field(default_factory=list)
+    """What a person should know who compares the machine with the files."""
+
+    def named(self, names: Mapping[str, str]) -> MachineRecord:
+        """The record with other names of the files that its figures are from."""
+
+        def each(figures: Mapping[str, Figure]) -> dict[str, Figure]:
+            return {key: figure.named(names) for key, figure in figures.items()}
+
+        return replace(
+            self,
+            length=self.length.named(names),
+            angle=self.angle.named(names),
+            chain=each(self.chain),
+            joints={joint: each(figures) for joint, figures in self.joints.items()},
+            machine_zero=each(self.machine_zero),
+            control_figures=each(self.control_figures),
+        )
+
+
+def travel(low: Figure, high: Figure) -> Figure:
+    """The travel of a joint from its two ends. Raises ControlFileError with both lines where it is empty."""
+    if not low.number < high.number:
+        raise low.origins[0].error(
+            f"= {low.number:g} is not below {high.origin} = {high.number:g}; correct one of both on the control"
+        )
+    return Figure((low.number, high.number), low.origins + high.origins)
+
+
+def lowest(figures: Iterable[Figure]) -> Figure:
+    """The lowest of limits that all hold, as of an axis and its joint."""
+    return min(figures, key=lambda figure: figure.number)

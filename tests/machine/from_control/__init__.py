@@ -1,0 +1,1 @@
+"""Machines from the files of their controls."""
