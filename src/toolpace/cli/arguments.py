@@ -190,10 +190,12 @@ def feed_asked(feed: str | None) -> str | None:
 
 def control_model(name: str | None) -> str | None:
     """The name of a model of a control, or None. Raises UsageError."""
-    from toolpace.controls.timing.figures import MODELS
+    from toolpace.controls.timing.figures import FORMER_MODELS, MODELS
 
     if name is None or name in MODELS:
         return name
+    if name in FORMER_MODELS:
+        raise UsageError(f"--model {name}: there is no such model any more; take {FORMER_MODELS[name]}")
     raise UsageError(f"--model '{name[:40]}' is not known; {did_you_mean(name, MODELS)}")
 
 

@@ -246,8 +246,8 @@ ControllerToml = Annotated[bool, Switch, Parameter(name="--toml", help="Print th
 ControlModel = Annotated[
     str | None,
     Parameter(
-        help="Model of the control, in place of the one in its file: linuxcnc, lookahead, fir, or ideal (the optimum"
-        " itself)."
+        help="Model of the control, in place of the one in its file: linuxcnc, sinumerik, heidenhain, fanuc,"
+        " lookahead, or ideal (the optimum itself)."
     ),
 ]
 NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out; then programs are not planned.")]

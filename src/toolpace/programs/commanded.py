@@ -61,7 +61,8 @@ class Commanded(ByValue):
     joining: Ints
     """(n,) BLENDED, EXACT_PATH or EXACT_STOP: how the move meets the next."""
     tolerance: Floats
-    """(n,) how far blending may leave the path [m] (P of G64); inf where the program does not say."""
+    """(n,) how far blending may leave the path [m] (P of G64, CYCLE832, cycle 32); inf where the program does not
+    say."""
     cam_tolerance: Floats
     """(n,) within which straight moves may be taken as one [m] (Q of G64); nan where the program does not say."""
     dwell: Floats

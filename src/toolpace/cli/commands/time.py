@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
 MODELS = {
     "linuxcnc": "its own planner, cycle by cycle",
-    "lookahead": "corners rounded within a tolerance, limits of the axes, blocks looked ahead",
-    "fir": "pulses of velocity through moving averages, corners blended by overlap",
+    "sinumerik": "SOFT or BRISK, corners rounded in three phases within a tolerance",
+    "heidenhain": "jerk of axes and path, positions filtered, corners as slow as the filter's error asks for",
+    "fanuc": "differences of feed and acceleration at corners, by its parameters",
+    "lookahead": "corners rounded within a tolerance, limits of the axes and their jerk",
     "ideal": "the fastest motion within the limits of the axes",
 }
 """What each model of a control does, in words."""
@@ -164,7 +166,7 @@ def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | No
     options, found = with_controller(source, request.dialect, request.options)
     figures = figures_for(options, request.model)
     if figures.model == "ideal":
-        raise UsageError("--fit: the model ideal has no figures; choose --model linuxcnc, lookahead or fir")
+        raise UsageError("--fit: the model ideal has no figures; choose another --model")
     console = new_console()
     steps = Steps(console)
     with steps.step("reading") as step:

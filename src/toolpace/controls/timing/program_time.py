@@ -11,9 +11,13 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
-from toolpace.controls.timing.axis_models import filtered_times, lookahead_times, rests, room_of
+from toolpace.controls.timing.blocks import rests, room_of
+from toolpace.controls.timing.fanuc import fanuc_times
 from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
+from toolpace.controls.timing.heidenhain import heidenhain_times
 from toolpace.controls.timing.linuxcnc import linuxcnc_times
+from toolpace.controls.timing.lookahead import lookahead_times
+from toolpace.controls.timing.sinumerik import sinumerik_times
 from toolpace.programs.commanded import BLENDED, Commanded
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
 from toolpace.programs.reading.coordinates.setup import SetUp
@@ -39,7 +43,13 @@ def _linuxcnc_times(moves: Commanded, machine: Machine, figures: ControlFigures)
     return linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
 
 
-MODELS: dict[str, Model] = {"linuxcnc": _linuxcnc_times, "lookahead": lookahead_times, "fir": filtered_times}
+MODELS: dict[str, Model] = {
+    "linuxcnc": _linuxcnc_times,
+    "sinumerik": sinumerik_times,
+    "heidenhain": heidenhain_times,
+    "fanuc": fanuc_times,
+    "lookahead": lookahead_times,
+}
 
 
 @dataclass(frozen=True)
@@ -147,7 +157,8 @@ def program_time(
     """How long a program takes on a control as it is written, without a plan.
 
     controller: a built-in controller or a file (TOML), whose table [time] describes how it goes through blocks; None
-        tells it by the program's content. model: `linuxcnc`, `lookahead` or `fir`, in place of what the file says.
+        tells it by the program's content. model: `linuxcnc`, `sinumerik`,
+        `heidenhain`, `fanuc` or `lookahead`, in place of what the file says.
     feed, setup, dialect: as of `read`. Cutter-location data are timed as a post would write them, tool-centre-point
         mode on.
 

@@ -269,3 +269,17 @@ def _times(place: Floats, knot: Bools, speed: Floats, passage: Floats) -> tuple[
             times[node - 1] = max(now - before, 0.0)
             before = now
     return times, ends
+
+
+@jit()
+def stoppable_speeds(length: Floats, acceleration: Floats, jerk: Floats, depth: int) -> Floats:
+    """Most speed (n,) at the end of each block, from which a ramp to rest fits into the `depth` blocks behind it."""
+    n = len(length)
+    speeds = np.full(n, math.inf)
+    for i in range(n - depth):
+        distance, most, sharpest = 0.0, math.inf, math.inf
+        for k in range(i + 1, i + 1 + depth):
+            distance += length[k]
+            most, sharpest = min(most, acceleration[k]), min(sharpest, jerk[k])
+        speeds[i] = reachable_speed(0.0, distance, most, sharpest)
+    return speeds

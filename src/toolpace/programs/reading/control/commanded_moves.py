@@ -30,7 +30,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         refuse_still(source, len(moved))
     # where the words change their meaning the control waits, too
     stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)
-    joining = table.joining[kept]
+    joining, asked = table.joining[kept], table.asked[kept, 0]
     ways = _Ways(way[kept])
     for entry, row in enumerate(kept.tolist()):
         if row in table.arcs:
@@ -55,7 +55,8 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         line=line[kept].astype(np.int64),
         stop=stop,
         joining=joining[:, 0].astype(np.int64),
-        tolerance=joining[:, 1],
+        # what blending says goes before what a cycle asks for (CYCLE832, cycle 32)
+        tolerance=np.where(np.isinf(joining[:, 1]) & ~np.isnan(asked), asked, joining[:, 1]),
         cam_tolerance=joining[:, 2],
         dwell=np.add.reduceat(table.dwell, kept),
         operation=operation[kept].astype(np.int64),
