@@ -65,6 +65,10 @@ class Commanded(ByValue):
     say."""
     cam_tolerance: Floats
     """(n,) within which straight moves may be taken as one [m] (Q of G64); nan where the program does not say."""
+    dynamics: Floats
+    """(n, 3) what the program says of acceleration and corners, nan where it says nothing: 1 without and 0 with a limit
+    of jerk (BRISK, SOFT); 1 with and 0 without roundings (G641 to G645 and CYCLE832, G64); the set of limits in force
+    (0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS)."""
     dwell: Floats
     """(n,) time to wait at the end of the move [s]."""
     operation: Ints

@@ -33,6 +33,13 @@ class SinumerikFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     is for that along it; 0: both have all of it (assumption)."""
     transition_jerk: Factor = 1.0
     """MD32432 PATH_TRANS_JERK_LIM over MD32431 MAX_AX_JERK."""
+    jerk_finish: Factor = 1.0
+    """Jerk under DYNFINISH over that of the machine's file (MD32431 has a value for each such word; assumption: all are
+    alike)."""
+    jerk_semifinish: Factor = 1.0
+    """Under DYNSEMIFIN."""
+    jerk_rough: Factor = 1.0
+    """Under DYNROUGH."""
     brisk: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.0
     """1: the program begins with BRISK; 0: with SOFT (assumption: MD20150 sets it, and CYCLE832 switches SOFT on)."""
 

@@ -232,6 +232,7 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
         joining=np.full(count, BLENDED),
         tolerance=np.full(count, np.inf),
         cam_tolerance=np.full(count, np.nan),
+        dynamics=np.full((count, 3), np.nan),
         dwell=toolpath.dwell,
         operation=toolpath.operation,
         operations=toolpath.operations,

@@ -9,6 +9,7 @@
 * Jump of curvature: with jerk limitation the acceleration a_j across the path cannot jump (B2, 12.2.16). Spread over
   the time a_j / J it leaves the path by a_j^3 / (24 J^2): that stays within the tolerance, and J is MD32432
   (assumption: the manual says that it slows down, and gives no formula). Without a tolerance a_j is J times the cycle.
+* DYNFINISH, DYNSEMIFIN, DYNROUGH, and the modes of CYCLE832, choose among values of the jerk MD32431.
 * Curves: MD20602 shares the acceleration between the directions across and along the path.
 """
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
 
+FINISH, SEMIFINISH, ROUGH = 1.0, 2.0, 3.0
+"""Sets of limits, as `Commanded.dynamics` has them."""
 DEVIATION = 24.0
 """Of the deviation a^3 / (24 J^2): a step of acceleration a that is spread over the time a / J."""
 
@@ -41,6 +44,8 @@ def sinumerik_times(moves: Commanded, machine: Machine, figures: ControlFigures)
     brisk = brisk_moves(moves, figures)
     acceleration = np.where(brisk, 1.0, own.soft_acceleration) * np.where(moves.rapid, own.rapid_acceleration, 1.0)
     jerk = np.where(brisk, np.inf, np.where(moves.rapid, own.rapid_jerk, 1.0))
+    for mode, share in ((FINISH, own.jerk_finish), (SEMIFINISH, own.jerk_semifinish), (ROUGH, own.jerk_rough)):
+        jerk = np.where(moves.dynamics[:, 2] == mode, share * jerk, jerk)
     across = own.curve_share or 1.0
 
     def driven(ways: AxisWays, line: Floats) -> Floats:
@@ -57,8 +62,15 @@ def sinumerik_times(moves: Commanded, machine: Machine, figures: ControlFigures)
 
 
 def brisk_moves(moves: Commanded, figures: ControlFigures) -> Bools:
-    """(n,) whether BRISK is in force."""
-    return np.full(len(moves), figures.sinumerik.brisk > 0.0)
+    """(n,) whether BRISK is in force: by the program's word, else by the figures."""
+    word = moves.dynamics[:, 0]
+    return np.where(np.isnan(word), figures.sinumerik.brisk, word) > 0.0
+
+
+def tolerances(moves: Commanded, figures: ControlFigures) -> Floats:
+    """(n,) of roundings [m]; 0 where the program says that there are none (G64)."""
+    room: Floats = np.where(moves.dynamics[:, 1] == 0.0, 0.0, room_of(moves, figures))
+    return room
 
 
 def corner_speeds(
@@ -68,11 +80,13 @@ def corner_speeds(
     """Most speed (n,) at the end of each move; 0 at rest."""
     from toolpace.kernels.controls.rounding import rounded_speeds
 
-    own, room = figures.sinumerik, room_of(moves, figures)
+    own, room = figures.sinumerik, tolerances(moves, figures)
     jump = limits.acceleration * (own.overload - 1.0) * own.cycle
     changes = Transitions.of(ways, stop, line)
     rounded = rounded_speeds(feed, line, ways.first, ways.last, stop, room, limits.acceleration, limits.jerk, off)
-    corner = np.maximum(rounded, least_ratio(jump, changes.kink))
+    # jumps of a curve in short blocks are its acceleration
+    steady = np.sqrt(least_ratio(limits.acceleration, changes.kink / changes.mean[:, None]))
+    corner = np.maximum(rounded, np.minimum(least_ratio(jump, changes.kink), steady))
     jerk = own.transition_jerk * limits.jerk
     # an axis' own unit of length: of the tip where it is linear
     spread = np.cbrt(DEVIATION * jerk**2 * room[:, None] / np.where(off > 0.0, off, 1.0))

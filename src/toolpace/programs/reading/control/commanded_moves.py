@@ -58,6 +58,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         # what blending says goes before what a cycle asks for (CYCLE832, cycle 32)
         tolerance=np.where(np.isinf(joining[:, 1]) & ~np.isnan(asked), asked, joining[:, 1]),
         cam_tolerance=joining[:, 2],
+        dynamics=table.dynamics[kept],
         dwell=np.add.reduceat(table.dwell, kept),
         operation=operation[kept].astype(np.int64),
         operations=facts.operations,
@@ -113,5 +114,5 @@ def _with_chords(table: MoveTable) -> MoveTable:
     return MoveTable(
         position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
         {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
-        table.joining[of], table.asked[of], table.normal[of],
+        table.joining[of], table.asked[of], table.normal[of], table.dynamics[of],
     )  # fmt: skip

@@ -45,6 +45,17 @@ class Asked(NamedTuple):
     """[rad]"""
 
 
+class Dynamics(NamedTuple):
+    """What the program says of the control's acceleration and of corners; nan where it says nothing."""
+
+    brisk: float = math.nan
+    """1: without limit of jerk (BRISK), 0: with one (SOFT)."""
+    rounded: float = math.nan
+    """1: corners are rounded within a tolerance (G641 to G645, CYCLE832), 0: they are not (G64)."""
+    mode: float = math.nan
+    """Set of limits that is in force: 0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS."""
+
+
 class Stage(Protocol):
     """What may stand between the motions of a program and the moves, and lays other ways in their place."""
 
@@ -95,6 +106,8 @@ class Moves:
         """Unit vectors out of the part at the ends of rows, on the part."""
         self.asked: list[tuple[int, Asked]] = [(0, Asked())]
         """How far rows may stray, from which on."""
+        self.dynamics: list[tuple[int, Dynamics]] = [(0, Dynamics())]
+        """Acceleration and corners of rows, from which on."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -146,6 +159,10 @@ class Moves:
         told = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
         self.asked.append((len(self.rows), self.asked[-1][1]._replace(**told)))
 
+    def drive(self, **dynamics: float) -> None:
+        """Note what the program says of acceleration and corners from now on: fields of Dynamics."""
+        self.dynamics.append((len(self.rows), self.dynamics[-1][1]._replace(**dynamics)))
+
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
         self.stop()
@@ -178,6 +195,7 @@ class Moves:
         switched[last[list(self.switched)]] = True
         joining = self._from_then_on(self.joinings)[expansion.row]
         asked = self._from_then_on(self.asked)[expansion.row]
+        dynamics = self._from_then_on(self.dynamics)[expansion.row]
         normal = np.full((len(array), 3), np.nan)
         for i, out in self.normals.items():
             normal[last[i]] = out
@@ -195,8 +213,9 @@ class Moves:
         array, joining, asked = array[first:], joining[first:], asked[first:]
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(
-            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked, normal[first:]
-        )
+            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked, normal[first:],
+            dynamics[first:],
+        )  # fmt: skip
 
     def _from_then_on(self, told: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
         """(rows, k) what was told from a row on, of each row."""
@@ -241,3 +260,5 @@ class MoveTable(NamedTuple):
     """(n, 2) Asked of each row."""
     normal: Floats
     """(n, 3) out of the part at the end of each row; nan where none was told."""
+    dynamics: Floats
+    """(n, 3) Dynamics of each row."""
