@@ -47,7 +47,9 @@ def heidenhain_times(moves: Commanded, machine: Machine, figures: ControlFigures
 
     def driven(ways: AxisWays, line: Floats) -> Floats:
         steady = cruise_speeds(moves, ways, limits.velocity, free, figures.block_time)
-        across = np.linalg.norm(ways.bend * off, axis=1)
+        # an arc has the same curvature everywhere; of others the largest of each axis is known
+        arc, other = (np.linalg.norm(bend * off, axis=1) for bend in (ways.bend_first, ways.bend))
+        across = np.where(arc > 0.0, arc, other)
         with np.errstate(divide="ignore"):
             filtered = np.sqrt(12.0 * room / across) / half
         curved = np.minimum(np.sqrt(least_ratio(limits.acceleration, ways.bend)), filtered)
