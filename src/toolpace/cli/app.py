@@ -191,7 +191,7 @@ def time_command(
     fit: options.FitLog = None,
     write_controller: options.WriteController = None,
     feed: options.Feed = None,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TOLERANCES_OF_PROGRAM,
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     json: options.Json = False,

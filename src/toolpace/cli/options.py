@@ -63,6 +63,8 @@ class Tolerances:
 
 
 USUAL_TOLERANCES = Tolerances()
+TOLERANCES_OF_PROGRAM = Tolerances(f"program,{TIP_TOLERANCE}", f"program,{AXIS_TOLERANCE}")
+"""What the program asks for itself; where it asks for none, the usual ones."""
 Effort = Annotated[
     str,
     Parameter(

@@ -47,7 +47,8 @@ def test_soft_takes_seven_phases_and_brisk_three():
     assert timed("G1 X200 F6000\n", brisk=1.0).total == pytest.approx(line, rel=1e-6)
     # CYCLE832 switches SOFT on; half the acceleration by MD32433
     assert timed("BRISK\nCYCLE832(0.02, 1)\nG1 X200 F6000\n").total == pytest.approx(line + A / J)
-    soft = 0.2 / FEED + 2.0 * math.sqrt(FEED / J) if FEED * J < (A / 2) ** 2 else 0.2 / FEED + FEED / (A / 2) + A / 2 / J
+    assert FEED * J >= (0.5 * A) ** 2
+    soft = 0.2 / FEED + FEED / (0.5 * A) + 0.5 * A / J
     assert timed("SOFT\nG1 X200 F6000\n", soft_acceleration=0.5).total == pytest.approx(soft)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
@@ -14,6 +16,15 @@ MOST_SPEED, MOST_ACCELERATION, MOST_JERK = 1e6, 1e9, 1e15
 """Of what no axis limits [m/s], [m/s^2], [m/s^3]."""
 FEED = MILLIMETRE / 60.0
 """A feed of 1 mm/min [m/s]."""
+
+
+class MotionProfile(NamedTuple):
+    """What a model makes of moves."""
+
+    times: Floats
+    """(n,) time of each move [s], dwells left out."""
+    corner: Floats
+    """(n,) speed at the end of each move, of the tip [m/s] or in place [rad/s]; nan where the model does not tell."""
 
 
 def rests(moves: Commanded) -> Bools:
@@ -52,10 +63,10 @@ def cruise_speeds(
     return np.minimum(np.minimum(speed, timed), np.minimum(ways.caps(velocity, acceleration), 1e6))
 
 
-def profile_times(
+def profile_along(
     feed: Floats, length: Floats, corner: Floats, acceleration: Floats, jerk: Floats, look_ahead: int = 0
-) -> Floats:
-    """Time of each move (n,) [s], from the speeds that are allowed on the way and at the ends.
+) -> MotionProfile:
+    """Times of moves and speeds at their ends, from the speeds that are allowed on the way and at the ends.
 
     feed: (n,) most speed of each move. length: (n,); moves of length zero take no time, and their corners count for
     the move before. corner: (n,) most speed at the end of each. acceleration, jerk: (n,) along each. look_ahead: a
@@ -63,15 +74,15 @@ def profile_times(
     """
     from toolpace.kernels.controls.path_profile import profile_of_chain, stoppable_speeds
 
-    times = np.zeros(len(length))
+    times, speeds = np.zeros(len(length)), np.zeros(len(length))
     rows = np.flatnonzero(length > 0.0)
     if not len(rows):
-        return times
+        return MotionProfile(times, speeds)
     ends = np.minimum.reduceat(np.minimum(corner, MOST_SPEED), rows)
     ends[-1] = 0.0
     ways, most = length[rows], np.minimum(acceleration[rows], MOST_ACCELERATION)
     sharpest = np.minimum(jerk[rows], MOST_JERK)
     if look_ahead:
         ends = np.minimum(ends, stoppable_speeds(ways, most, sharpest, look_ahead))
-    times[rows], _ = profile_of_chain(ways, np.minimum(feed[rows], MOST_SPEED), ends, most, sharpest)
-    return times
+    times[rows], speeds[rows] = profile_of_chain(ways, np.minimum(feed[rows], MOST_SPEED), ends, most, sharpest)
+    return MotionProfile(times, speeds)

@@ -11,12 +11,12 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.units import MILLIMETRE
 from toolpace.controls.timing.axis_motion import AxisWays
-from toolpace.controls.timing.blocks import room_of
+from toolpace.controls.timing.blocks import MotionProfile, room_of
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.programs.commanded import Commanded
 
-Driven = Callable[[AxisWays, Floats], Floats]
-"""Time of each move (n,) [s], from their ways and the length (n,) of the straight way that each is part of."""
+Driven = Callable[[AxisWays, Floats], MotionProfile]
+"""The profile of moves, from their ways and the length (n,) of the straight way that each is part of."""
 
 
 @dataclass(frozen=True)
@@ -85,15 +85,15 @@ class Chains:
         return replace(self, joined=self.joined & (now < before))
 
 
-def times_along_chains(
+def profile_along_chains(
     moves: Commanded, ways: AxisWays, stop: Bools, figures: ControlFigures, way: Floats, driven: Driven
-) -> Floats:
-    """Time of each move (n,) [s], along one line with its neighbours where that is faster, as `Chains` says."""
+) -> MotionProfile:
+    """The profile of moves, each along one line with its neighbours where that is faster, as `Chains` says."""
     apart = driven(ways, ways.length)
     chains = Chains.of_moves(ways, moves, stop, merging_of(moves, figures), way)
     if not chains.joined.any():
         return apart
-    chains = chains.faster(apart, driven(*chains.straight()))
+    chains = chains.faster(apart.times, driven(*chains.straight()).times)
     return driven(*chains.straight())
 
 

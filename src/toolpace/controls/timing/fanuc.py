@@ -22,7 +22,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.controls.timing.axis_motion import axis_ways
-from toolpace.controls.timing.blocks import FEED, cruise_speeds, profile_times, rest_ends, rests
+from toolpace.controls.timing.blocks import FEED, MotionProfile, cruise_speeds, profile_along, rest_ends, rests
 from toolpace.controls.timing.figures import ControlFigures, limits_of
 from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 READ_AHEAD = 40
 
 
-def fanuc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
-    """Time of each move (n,) [s], dwells left out."""
+def fanuc_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
+    """Times of moves and speeds at their ends."""
     own, limits, stop = figures.fanuc, limits_of(machine, figures), rests(moves)
     ways = axis_ways(moves, machine, joints=figures.limits == "joints")
     free = cruise_speeds(moves, ways, limits.velocity, np.full_like(limits.acceleration, np.inf), figures.block_time)
@@ -47,8 +47,8 @@ def fanuc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> 
     acceleration = ways.along(limits.acceleration)
     jerk = acceleration / own.bell_time if own.bell_time else ways.along(limits.jerk)
     depth = READ_AHEAD if figures.look_ahead is None else figures.look_ahead
-    times = profile_times(feed, ways.length, corner, acceleration, jerk, depth)
-    return times + own.after_interpolation * rest_ends(stop, ways.length)
+    found = profile_along(feed, ways.length, corner, acceleration, jerk, depth)
+    return found._replace(times=found.times + own.after_interpolation * rest_ends(stop, ways.length))
 
 
 def corner_speeds(changes: Transitions, limits: Limits, is_rotary: Bools, figures: ControlFigures) -> Floats:

@@ -21,8 +21,8 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.controls.timing.axis_motion import AxisWays, axis_ways, linear_columns
-from toolpace.controls.timing.blocks import FEED, cruise_speeds, profile_times, rest_ends, rests, room_of
-from toolpace.controls.timing.chains import times_along_chains
+from toolpace.controls.timing.blocks import FEED, MotionProfile, cruise_speeds, profile_along, rest_ends, rests, room_of
+from toolpace.controls.timing.chains import profile_along_chains
 from toolpace.controls.timing.figures import ControlFigures, limits_of, off_the_path
 from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 READ_AHEAD = 5000
 
 
-def heidenhain_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
-    """Time of each move (n,) [s], dwells left out."""
+def heidenhain_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
+    """Times of moves and speeds at their ends."""
     own, limits, stop = figures.heidenhain, limits_of(machine, figures), rests(moves)
     room, off = room_of(moves, figures), off_the_path(machine, figures)
     half = half_filters(machine, limits, room, figures)
@@ -45,7 +45,7 @@ def heidenhain_times(moves: Commanded, machine: Machine, figures: ControlFigures
     free, tip_feed = np.full_like(limits.acceleration, np.inf), np.where(moves.length > 0.0, FEED, 0.0)
     depth = READ_AHEAD if figures.look_ahead is None else figures.look_ahead
 
-    def driven(ways: AxisWays, line: Floats) -> Floats:
+    def driven(ways: AxisWays, line: Floats) -> MotionProfile:
         steady = cruise_speeds(moves, ways, limits.velocity, free, figures.block_time)
         # an arc has the same curvature everywhere; of others the largest of each axis is known
         arc, other = (np.linalg.norm(bend * off, axis=1) for bend in (ways.bend_first, ways.bend))
@@ -58,13 +58,13 @@ def heidenhain_times(moves: Commanded, machine: Machine, figures: ControlFigures
             corner_speeds(ways, line, stop, room, off, limits, half), own.least_corner_feed * tip_feed
         )
         jerk = np.minimum(axis_jerk * ways.along(limits.jerk), np.where(moves.length > 0.0, path_jerk, np.inf))
-        times = profile_times(
+        found = profile_along(
             feed, ways.length, np.where(stop, 0.0, corner), ways.along(limits.acceleration), jerk, depth
         )
-        return times + 2.0 * half * rest_ends(stop, ways.length)
+        return found._replace(times=found.times + 2.0 * half * rest_ends(stop, ways.length))
 
     ways = axis_ways(moves, machine, joints=figures.limits == "joints")
-    return times_along_chains(moves, ways, stop, figures, off, driven)
+    return profile_along_chains(moves, ways, stop, figures, off, driven)
 
 
 def half_filters(machine: Machine, limits: Limits, room: Floats, figures: ControlFigures) -> Floats:

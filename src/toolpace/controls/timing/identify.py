@@ -165,7 +165,7 @@ def identify(moves: Commanded, machine: Machine, log: MotionLog, figures: Contro
     far, when = _progress(moves, machine, log)
 
     def differences(figures: ControlFigures) -> Floats:
-        times = model(moves, machine, figures)
+        times = model(moves, machine, figures).times
         end = np.cumsum(times + moves.dwell) - moves.dwell
         return np.asarray(np.append(end[far] - when, end[-1] - log.duration))
 

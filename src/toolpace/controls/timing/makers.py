@@ -84,3 +84,5 @@ class FanucFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """1772, time in which the acceleration builds up [s]; 0: what the axes' jerk limits say (assumption)."""
     after_interpolation: Time = 0.0
     """1769, time constant of acceleration after interpolation [s] (assumption: none)."""
+    cycle: Annotated[float, msgspec.Meta(gt=0.0, le=0.1)] = 0.001
+    """Over which a jump of velocity is spread where nothing is behind the interpolation [s] (assumption)."""

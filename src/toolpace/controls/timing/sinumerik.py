@@ -21,8 +21,8 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.controls.timing.axis_motion import AxisWays, axis_ways
-from toolpace.controls.timing.blocks import cruise_speeds, profile_times, rests, room_of
-from toolpace.controls.timing.chains import times_along_chains
+from toolpace.controls.timing.blocks import MotionProfile, cruise_speeds, profile_along, rests, room_of
+from toolpace.controls.timing.chains import profile_along_chains
 from toolpace.controls.timing.figures import ControlFigures, limits_of, off_the_path
 from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
@@ -37,8 +37,8 @@ DEVIATION = 24.0
 """Of the deviation a^3 / (24 J^2): a step of acceleration a that is spread over the time a / J."""
 
 
-def sinumerik_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
-    """Time of each move (n,) [s], dwells left out."""
+def sinumerik_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
+    """Times of moves and speeds at their ends."""
     own, limits, stop = figures.sinumerik, limits_of(machine, figures), rests(moves)
     off = off_the_path(machine, figures)
     brisk = brisk_moves(moves, figures)
@@ -48,17 +48,17 @@ def sinumerik_times(moves: Commanded, machine: Machine, figures: ControlFigures)
         jerk = np.where(moves.dynamics[:, 2] == mode, share * jerk, jerk)
     across = own.curve_share or 1.0
 
-    def driven(ways: AxisWays, line: Floats) -> Floats:
+    def driven(ways: AxisWays, line: Floats) -> MotionProfile:
         feed = cruise_speeds(moves, ways, limits.velocity, across * limits.acceleration, figures.block_time)
         corner = corner_speeds(moves, ways, feed, line, stop, limits, figures, off, brisk)
         along = np.where(ways.bend.max(axis=1, initial=0.0) > 0.0, 1.0 - own.curve_share, 1.0)
         along_path = acceleration * along * ways.along(limits.acceleration)
-        return profile_times(
+        return profile_along(
             feed, ways.length, corner, along_path, jerk * ways.along(limits.jerk), figures.look_ahead or 0
         )
 
     ways = axis_ways(moves, machine, joints=figures.limits == "joints")
-    return times_along_chains(moves, ways, stop, figures, off, driven)
+    return profile_along_chains(moves, ways, stop, figures, off, driven)
 
 
 def brisk_moves(moves: Commanded, figures: ControlFigures) -> Bools:

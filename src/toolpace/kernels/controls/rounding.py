@@ -28,8 +28,8 @@ def rounded_speeds(
 
     At a corner the axes' velocities change by v D_j: with jerk up to an acceleration, that acceleration, and jerk down;
     all take the same time, and no axis exceeds its limits. Meanwhile the way leaves the corner by `deviation`, which
-    stays within the tolerance. A rounding reaches half of each move at most, as it is at constant acceleration: chords of a
-    circle of radius r are driven at (a r)^(1/2), since a compressor makes a curve of them.
+    stays within the tolerance. A rounding reaches half of each move at most, as it is at constant acceleration: chords
+    of a circle of radius r are driven at (a r)^(1/2), since a compressor makes a curve of them.
 
     cruise, length: (n,) speed and way of the moves. first, last: (n, axes) rates of the axes at their start and end,
     a unit of way. stop: (n,) rest at the end. room: (n,) tolerance there, of the tip [m]. acceleration, jerk: (axes,).

@@ -130,10 +130,11 @@ SETS: dict[str, dict[str, object]] = {
     **{key: {"angles": VIRTUAL} for key in ("ORIVIRT1", "ORIVIRT2")},
 }
 """What each word sets, and that alone (Programming Manual Fundamentals 12.3; Job Planning 7.2)."""
+MODES_OF_LIMITS = ("DYNNORM", "DYNFINISH", "DYNSEMIFIN", "DYNROUGH", "DYNPREC", "DYNPOS")
 DYNAMICS = {
     "SOFT": {"brisk": 0.0},
     "BRISK": {"brisk": 1.0},
-    **{f"DYN{name}": {"mode": float(k)} for k, name in enumerate(("NORM", "FINISH", "SEMIFIN", "ROUGH", "PREC", "POS"))},
+    **{word: {"mode": float(mode)} for mode, word in enumerate(MODES_OF_LIMITS)},
 }
 """What words say of the control's acceleration, as `Moves.drive` takes it."""
 TOLERANCES = ("G641", "G642", "G643", "G644", "G645")
