@@ -89,9 +89,9 @@ def test_the_tolerance_of_the_program_holds_for_the_control_and_for_the_optimum(
     )
     assert own["optimum_s"] == pytest.approx(wide["optimum_s"], rel=1e-9) and narrow["optimum_s"] > own["optimum_s"]
     page = printed(capsys, *part, "--no-optimum")
-    assert "50 µm, as the program asks for" in page
+    assert "0.05 mm, as the program asks for" in page
     (tmp_path / "part.mpf").write_text("G71 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nY20\nM30\n")
-    assert "the program asks for none; 10 µm" in printed(capsys, *part, "--no-optimum")
+    assert "the program asks for none; 0.01 mm" in printed(capsys, *part, "--no-optimum")
 
 
 def test_limits_that_the_control_exceeds_are_named_with_place_and_size(tmp_path, capsys):
