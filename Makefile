@@ -29,9 +29,11 @@ demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the 
 test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true the long sweeps too
 	$(BIN)/python -m pytest -n 2 --dist worksteal $(PYTEST)
 
-check: $(VENV)/.base $(VENV)/.check  ## lint, types, import contracts
+check: $(VENV)/.base $(VENV)/.check  ## lint, types (Linux, Windows, macOS), import contracts
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/mypy --platform win32
+	$(BIN)/mypy --platform darwin
 	$(BIN)/lint-imports
 	$(BIN)/python tools/census.py --strict
 

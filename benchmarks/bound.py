@@ -15,7 +15,7 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from testbed.cases import Case, all_cases
 from toolpace.common.errors import ToolpaceError
-from toolpace.planning.bound.allowance import Allowance
+from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.continuous import continuous_bound
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run

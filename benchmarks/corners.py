@@ -26,7 +26,7 @@ from toolpace.controls.timing.linuxcnc import linuxcnc_times
 from toolpace.machine.machine import Machine
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.program_plan import plan_program
-from toolpace.planning.second_order.planner import SecondOrder
+from toolpace.planning.second_order import SecondOrder
 from toolpace.programs.reading import Source, read_commanded, read_text
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.toolpath import ToolPath

@@ -22,7 +22,7 @@ from testbed.cases import Case, all_cases, random_case
 from testbed.from_positions import used_by_positions
 from toolpace.cli.demo_programs import MACHINE, impeller_program
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan

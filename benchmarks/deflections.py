@@ -25,17 +25,17 @@ import ruckig
 import toolpace as tp
 from benchmarks.machine import RESULTS, processor
 from testbed import from_positions, published
+from toolpace import deflection
 from toolpace.cli.demo_programs import impeller_program
 from toolpace.common.errors import InfeasibleError
-from toolpace.deflection import replanning
-from toolpace.deflection.replanning.detour import DetourRun
-from toolpace.deflection.replanning.remaining_motion import Stretch
+from toolpace.deflection.detour import DetourRun
+from toolpace.deflection.motion_state import Stretch
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.chain import ChainLaw, LawPiece
+from toolpace.motion.laws import ChainLaw, LawPiece
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_through
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
 
@@ -146,7 +146,7 @@ def tip_over_feed(old: Trajectory, new: Trajectory, after: float) -> float:
         run.detour.left + (run.detour.rejoin - run.detour.left) * np.linspace(-0.5, 1.5, 2000)
     )
     way = plain.run.evaluate(places).tip[0]
-    tips = ends[0][0] - (followed.aim.offset if hasattr(followed, "aim") else 0.0)
+    tips = ends[0][0] - (followed.compensation.offset if hasattr(followed, "compensation") else 0.0)
     nearest = np.argmin(np.linalg.norm(tips[:, None] - way[None], axis=2), axis=1)
     return float((speed / plain.run.feed[plain.run.block_index(places[nearest])]).max(initial=0.0))
 
@@ -197,7 +197,7 @@ def in_a_row(old: Trajectory, repeats: int, random: np.random.Generator) -> dict
             break
         given = current.tip([step])[0][0] + 2e-6 * random.normal(size=3)
         began = time.process_time()
-        current = replanning.replan(current, step, given)
+        current = deflection.replan(current, step, given)
         spent.append(1e3 * (time.process_time() - began))
         if k % 1000 == 0:
             print(k, f"{np.median(spent[-1000:]):.3g} ms", flush=True)
@@ -223,7 +223,7 @@ def main(count: int = 1000, seed: int = 2026, repeats: int = 10000) -> None:
                 t, given, axis = draw(old, cause, random)
                 began = time.process_time()
                 try:
-                    new = replanning.replan(old, t, given, axis=axis, cause=cause)
+                    new = deflection.replan(old, t, given, axis=axis, cause=cause)
                 except InfeasibleError as error:
                     row.refused.append(str(error))
                     continue

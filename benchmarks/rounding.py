@@ -19,7 +19,7 @@ from benchmarks.machine import RESULTS, written_by
 from benchmarks.tables import Table
 from toolpace.common.arrays import Floats
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
 from toolpace.programs.reading import read_text

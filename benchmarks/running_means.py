@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.tables import Table
 from toolpace.common.arrays import Floats
 from toolpace.deflection.following.law import TO_CORRECTION
-from toolpace.kernels.follow.jerk_limited import approach
+from toolpace.kernels.follow.correction import approach
 from toolpace.machine.machine import Machine
 
 MOST, STEP, PERIOD, RESERVE = 0.3e-3, 0.1e-3, 1e-3, 0.1

@@ -22,7 +22,7 @@ from unittest.mock import patch
 from benchmarks.machine import RESULTS, most_memory, written_by
 from benchmarks.tables import Table
 from testbed.long_path import long_path
-from toolpace.planning.bound import pieces
+from toolpace.planning.bound import relaxation
 from toolpace.planning.optimal import meshed_run
 from toolpace.planning.planner import plan
 
@@ -148,7 +148,7 @@ def main() -> None:
         with ExitStack() as patched:
             if one_piece:
                 patched.enter_context(patch.object(meshed_run, "KEPT", 10**9))
-                patched.enter_context(patch.object(pieces, "WHOLE", 10**9))
+                patched.enter_context(patch.object(relaxation, "WHOLE", 10**9))
             print(json.dumps(measured(cells, kind)))
         return
     out = File(sys.argv[1]) if len(sys.argv) > 1 else RESULTS

@@ -13,7 +13,7 @@ from benchmarks.peers import copp_second_order, second_order, toppra
 from benchmarks.tables import Table, text
 from testbed.cases import Case, all_cases
 from toolpace.planning.optimal import planner as optimal
-from toolpace.planning.second_order import planner
+from toolpace.planning.second_order import second_order_law
 
 MESHES = (200, 1000, 5000)
 REPEATS = 7
@@ -107,9 +107,9 @@ def loss_of_mesh(cases: list[Case]) -> Table:
         f"Loss of the mesh: duration over that with {FINEST} cells, less 1",
         ["over all cases", *(f"{n} cells" for n in COARSER)],
     )
-    best = [planner.second_order_law(case.run, case.limits, cells=FINEST).duration for case in cases]
+    best = [second_order_law(case.run, case.limits, cells=FINEST).duration for case in cases]
     durations = {
-        n: [planner.second_order_law(case.run, case.limits, cells=n).duration for case in cases] for n in COARSER
+        n: [second_order_law(case.run, case.limits, cells=n).duration for case in cases] for n in COARSER
     }
     losses = {n: [longer / least - 1.0 for longer, least in zip(durations[n], best)] for n in COARSER}
     for name, what in (("median", statistics.median), ("worst", max)):
@@ -121,7 +121,7 @@ def price_of_jerk(cases: list[Case]) -> Table:
     """What jerk limits cost: both planners on their default meshes, limits held between nodes."""
     table = Table("With and without jerk limits, default meshes", ["case", "second order [s]", "optimal [s]", "ratio"])
     solvers: tuple[Callable[[Case], float], ...] = (
-        lambda case: planner.second_order_law(case.run, case.limits).duration,
+        lambda case: second_order_law(case.run, case.limits).duration,
         lambda case: optimal.fastest_law(case.run, case.limits)[0].duration,
     )
     for case in cases:

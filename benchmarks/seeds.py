@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.deflections import cases
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.planning.genetic.planner import Genetic
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.genetic import Genetic
 from toolpace.planning.planner import plan
 
 GENERATIONS = (1, 10, 100)

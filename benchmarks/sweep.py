@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toolpace.common.arrays import Floats
-    from toolpace.path.axispath.run import AxisRun
+    from toolpace.path.axis_run import AxisRun
 
 LONGEST = 120
 """Time after which a plan is given up [s]."""

@@ -14,7 +14,7 @@ from testbed import ipopt
 from testbed.jets import harmonics, path_of
 from testbed.mesh_problem import mesh_problem, objective
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.bound.relaxation import lower_bound
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, solve, start_from

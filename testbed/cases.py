@@ -11,8 +11,8 @@ from testbed.jets import path_of
 from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.path import Path
 
 RANDOM_CASES = 24

@@ -14,8 +14,8 @@ from scipy import sparse
 
 from testbed.mesh_problem import mesh_problem
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import start_from

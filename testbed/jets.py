@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 Jets = Callable[[Floats], Floats]
 

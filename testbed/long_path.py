@@ -7,7 +7,7 @@ import numpy as np
 from testbed.jets import path_of
 from toolpace.kernels.fit.quintic_spline import jets
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 JOINTS = 5
 CELLS_A_FEATURE = 50

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.problem import Problem, discretise

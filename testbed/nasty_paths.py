@@ -15,8 +15,8 @@ import numpy as np
 from testbed.jets import Jets, along, beside, harmonics, path_of, standing, straight
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.callable import CallableRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.callable_run import CallableRun
 from toolpace.path.path import Path
 from toolpace.path.run import unit_jets
 from toolpace.planning.endstate import EndState

@@ -11,7 +11,7 @@ import numpy as np
 from testbed import nasty_paths
 from testbed.jets import along, beside, harmonics, path_of, standing
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import EndState
 from toolpace.planning.planner import plan
 

@@ -151,9 +151,9 @@ def tried(case: Case, way: np.ndarray) -> Case:
 
 def judge(case: Case, old: tp.Trajectory, new: tp.Trajectory, found: np.ndarray, chain: Chain) -> None:
     """What a replan uses, from positions alone, to the case; `found` (3,) is the deflection [m]."""
-    course = getattr(new.axis_path.runs[0], "detour", None)
-    whole = new.duration if course is None else course.duration
-    above = 0.0 if course is None else new.axis_path.runs[0].above[1]
+    detour = getattr(new.axis_path.runs[0], "detour", None)
+    whole = new.duration if detour is None else detour.duration
+    above = 0.0 if detour is None else new.axis_path.runs[0].above[1]
     offset = new.at([0.0]).q[0] - old.at([case.time]).q[0]
     limits = (new.limits.velocity, new.limits.acceleration, new.limits.jerk)
     bending = found if case.cause == "bending" else np.zeros(3)

@@ -14,7 +14,7 @@ from toolpace.common import units
 from toolpace.common.errors import UsageError
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.program_plan import plan_program
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import Operation
 
 AXIS = math.radians(0.05)

@@ -54,7 +54,7 @@ def kernel_files(base: Path) -> list[str]:
 def record(folder: Path) -> int:
     """Write the signatures of all kernels that a demo compiles."""
     from toolpace.cli import main as toolpace
-    from toolpace.kernels import ahead_of_time, signatures
+    from toolpace.kernels import ahead_of_time, compile_order
     from toolpace.kernels.jit import KERNELS
 
     ahead_of_time.is_warm = lambda: True  # nothing is compiled beforehand
@@ -62,10 +62,10 @@ def record(folder: Path) -> int:
     found = {}
     for name, kernel in KERNELS.items():
         for each in kernel.signatures[:1]:
-            found[name] = [signatures.to_text(kind) for kind in each]
+            found[name] = [compile_order.to_text(kind) for kind in each]
         for each in kernel.signatures[1:]:
             print(f"compiled again: {name}{each}")
-    signatures.write_signatures(found)
+    compile_order.write_signatures(found)
     print(f"{len(found)} kernels")
     return 0
 

@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 INSIDE = 7
 
@@ -72,7 +72,7 @@ def usage(
 
 def usage_of_law(run: AxisRun, limits: Limits, law: object) -> tuple[float, float]:
     """Peak value over limit at the nodes of a SplineLaw, and between them, rest cells included."""
-    from toolpace.motion.laws.spline import SplineLaw
+    from toolpace.motion.laws import SplineLaw
 
     assert isinstance(law, SplineLaw)
     cells = np.diff(law.nodes)

@@ -11,8 +11,8 @@ import numpy as np
 
 from benchmarks.peers import Outcome, Stopwatch, failed, resting, usage
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 
 PASSES = 12
 SETTLED = 1e-5

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.peers import Outcome, Stopwatch, failed
 from benchmarks.peers.copp import model
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int) -> tuple[Outcome, float]:

@@ -6,7 +6,7 @@ from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from testbed.ipopt import SUCCEEDED, optimum
 from testbed.mesh_problem import objective
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int) -> Outcome:

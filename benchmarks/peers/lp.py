@@ -15,8 +15,8 @@ from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from testbed.ipopt import ends
 from testbed.mesh_problem import mesh_problem, objective
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.optimal.solve import start_from
 
 FLOOR = 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from benchmarks.peers import Outcome, Stopwatch, failed, usage_of_law
 from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.optimal.planner import fastest_law
 
 

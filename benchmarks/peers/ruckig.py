@@ -11,7 +11,7 @@ import ruckig
 
 from benchmarks.peers import Outcome, Stopwatch, failed
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 DEVIATION = 1e-3
 UNLIMITED = 1e6

@@ -7,9 +7,8 @@ import numpy as np
 from benchmarks.peers import Outcome, Stopwatch, failed
 from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.planning.second_order.planner import peaks_in_cells, second_order_law
-from toolpace.planning.second_order.problem import Cells
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.second_order import Cells, peaks_in_cells, second_order_law
 
 
 def solve(axis_path: AxisPath, limits: Limits, n: int, *, guard: bool = False, judge: bool = True) -> Outcome:

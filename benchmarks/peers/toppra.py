@@ -11,8 +11,8 @@ from toppra.interpolator import AbstractGeometricPath
 
 from benchmarks.peers import Outcome, Stopwatch, failed, usage
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 
 logging.getLogger("toppra").setLevel(logging.CRITICAL)
 UNLIMITED = 1e6

@@ -18,7 +18,7 @@ import importlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from toolpace.common.version import __version__
+from toolpace.common import __version__
 
 if TYPE_CHECKING:
     from toolpace import deflection
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from toolpace.common.workers import Progress, Workers
     from toolpace.controls.export import Exported, ReadBack, export
     from toolpace.controls.timing.program_time import PartTime, ProgramTime, program_time
-    from toolpace.cutting.bending.compensated_program import BendingCompensation, compensate_bending
-    from toolpace.cutting.bending.compliance import Bending
+    from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
+    from toolpace.cutting.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
-    from toolpace.deflection.replanning.new_trajectory import replan
+    from toolpace.deflection.new_trajectory import replan
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, Engagement
@@ -40,27 +40,28 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
-    from toolpace.motion.laws.law import Probe, TimeLaw
+    from toolpace.motion.files.set_point_files import read_set_points
+    from toolpace.motion.laws import Probe, TimeLaw
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.run import AxisRun
+    from toolpace.path.axis_path import AxisPath
+    from toolpace.path.axis_run import AxisRun
     from toolpace.path.fit.speed_weights import SpeedWeights
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
     from toolpace.planning.endstate import EndState
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.planned_run import PlannedRun
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.program_plan import ProgramPlan, plan_program
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
@@ -153,6 +154,7 @@ __all__ = [
     "program_time",
     "prove",
     "read",
+    "read_set_points",
     "read_text",
     "replan",
     "report",
@@ -162,13 +164,13 @@ __all__ = [
 ]
 
 _HOME = {
-    "AxisPath": "path.axispath.axispath",
-    "AxisRun": "path.axispath.run",
+    "AxisPath": "path.axis_path",
+    "AxisRun": "path.axis_run",
     "Batch": "jobs.batch",
     "BatchJob": "jobs.batch",
     "BatchRow": "jobs.batch",
-    "Bending": "cutting.bending.compliance",
-    "BendingCompensation": "cutting.bending.compensated_program",
+    "Bending": "cutting.compliance",
+    "BendingCompensation": "cutting.compensated_program",
     "ChainFile": "machine.file",
     "Check": "judge",
     "Choice": "setup_search.choices",
@@ -185,7 +187,7 @@ _HOME = {
     "Exported": "controls.export",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
-    "Genetic": "planning.genetic.planner",
+    "Genetic": "planning.genetic",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
     "Kinematics": "programs.reading",
@@ -205,14 +207,14 @@ _HOME = {
     "PlannedRun": "planning.planned_run",
     "PlannedSetUp": "setup_search.found_set_up",
     "Planner": "planning.planner",
-    "Probe": "motion.laws.law",
+    "Probe": "motion.laws",
     "ProgramPlan": "planning.program_plan",
     "ProgramTime": "controls.timing.program_time",
     "Progress": "common.workers",
     "ReadBack": "controls.export",
     "Round": "planning.path_and_pace.alternating",
     "Sampled": "judge",
-    "SecondOrder": "planning.second_order.planner",
+    "SecondOrder": "planning.second_order",
     "SetPoint": "deflection.following",
     "SetPoints": "motion.setpoints",
     "SetUp": "programs.reading.coordinates.setup",
@@ -220,8 +222,8 @@ _HOME = {
     "Skipped": "motion.trajectory",
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
-    "TimeLaw": "motion.laws.law",
-    "Tolerances": "programs.tolerances.tolerances",
+    "TimeLaw": "motion.laws",
+    "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",
     "ToolpaceError": "common.errors",
@@ -233,7 +235,7 @@ _HOME = {
     "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
-    "compensate_bending": "cutting.bending.compensated_program",
+    "compensate_bending": "cutting.compensated_program",
     "export": "controls.export",
     "load_choices": "setup_search.choices_file",
     "load_tool": "cutting.tool_file",
@@ -242,8 +244,9 @@ _HOME = {
     "program_time": "controls.timing.program_time",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
+    "read_set_points": "motion.files.set_point_files",
     "read_text": "programs.reading",
-    "replan": "deflection.replanning.new_trajectory",
+    "replan": "deflection.new_trajectory",
     "report": "results.report",
     "search_setup": "setup_search.search",
     "verify": "judge",

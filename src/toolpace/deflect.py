@@ -2,7 +2,7 @@
 
 import warnings
 
-from toolpace.deflection.replanning import Projection, deflected_pose, force, potential, project, replan
+from toolpace.deflection import Projection, deflected_pose, force, potential, project, replan
 
 __all__ = ["Projection", "deflected_pose", "force", "potential", "project", "replan"]
 

@@ -20,8 +20,7 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.setup_file import check_setup, setup_of_text, setup_text
-from toolpace.programs.reading.setup_sheet import setup_sheet
+from toolpace.programs.reading.setup_file import check_setup, setup_of_text, setup_sheet, setup_text
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import ToolPath
 

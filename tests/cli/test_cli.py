@@ -15,7 +15,7 @@ import toolpace as tp
 from toolpace.cli import demo_programs, main
 from toolpace.cli.app import app
 from toolpace.machine.machine import Machine
-from toolpace.machine.pose_table import pose_table
+from toolpace.machine.tables import pose_table
 from toolpace.planning.limit_tolerances import PROMISED
 
 CONTRACT = {
@@ -54,7 +54,8 @@ def test_plan_writes_the_contract(planned):
 def test_plan_writes_the_files(planned):
     names = {path.name for path in (planned / "plan").iterdir()}
     assert names == {
-        "plan.json", "setpoints.npz", "setpoints.csv", "report.html", "machine.toml", "controller.toml", "program.ngc"
+        "plan.json", "setpoints.npz", "trajectory.compact", "setpoints.csv", "report.html", "machine.toml",
+        "controller.toml", "program.ngc",
     }  # fmt: skip
     points = tp.SetPoints.load(planned / "plan" / "setpoints.npz")
     plan = json.loads((planned / "plan" / "plan.json").read_text())
@@ -99,7 +100,7 @@ def test_summary_is_for_machinists(planned, capsys):
     assert re.search(r"duration +\d\.\d\d s *\n", output)
     assert re.search(r"limited by +\w+.* \d+ %", output)
     assert "off the program, allowed" in output and "VERIFIED" in output
-    assert f"{out}: plan.json, setpoints.npz, machine.toml, program.ngc" in output.replace("\n", "")
+    assert f"{out}: plan.json, setpoints.npz, trajectory.compact, machine.toml, program.ngc" in output.replace("\n", "")
     assert not (out / "report.html").exists()
 
 

@@ -18,7 +18,7 @@ from toolpace.machine.machine import Machine
 
 PLAN = ("-m", "xyzac-trunnion", "--no-report")
 TOOLPACE = f"{sys.executable} -m toolpace"
-RESULTS = {"plan.json", "controller.toml", "setpoints.npz", "machine.toml"}
+RESULTS = {"plan.json", "controller.toml", "setpoints.npz", "trajectory.compact", "machine.toml"}
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.cutting.bending.inserted_points import CHUNK, needed
-from toolpace.cutting.bending.prediction import blended
-from toolpace.judge.bending.bent import blended as judged
+from toolpace.cutting.inserted_points import CHUNK, needed
+from toolpace.cutting.prediction import blended
+from toolpace.judge.bent_tip import blended as judged
 
 LENGTH = 4e-3
 

@@ -10,7 +10,7 @@ import pytest
 import toolpace as tp
 from tests.support.bending import PROGRAM
 from toolpace.common.errors import PathError, UsageError
-from toolpace.cutting.bending import compensated_program as module
+from toolpace.cutting import compensated_program as module
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
 TOOL = tp.CuttingTool(

@@ -9,8 +9,8 @@ from scipy.integrate import quad
 import toolpace as tp
 from tests.support.machines import motion, random_machine
 from toolpace.common.errors import UsageError
-from toolpace.cutting.bending.frames import FRAMES, to_workpiece
-from toolpace.judge.bending.bent import tool_in_workpiece
+from toolpace.cutting.compliance import FRAMES, to_workpiece
+from toolpace.judge.bent_tip import tool_in_workpiece
 
 
 def test_a_cantilever_bends_as_its_beam_does():

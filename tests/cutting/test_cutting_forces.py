@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 import toolpace as tp
 from toolpace.common.errors import UsageError
-from toolpace.judge.bending.forces import ForceTable
+from toolpace.judge.bent_tip import ForceTable
 
 K = tp.Coefficients(800e6, 300e6, 200e6, 15e3, 12e3, 3e3)
 CUTTER = tp.Cutter(diameter=8e-3, teeth=3, helix=np.radians(30.0))

@@ -7,7 +7,7 @@ import pytest
 
 from testbed.in_order_distance import distance_of_poses, in_order_distance, within_in_order
 from tests.support.random_rows import HABITS, along, place_on, random_program, spoilt
-from toolpace.judge.matching.alignment import Lost, align
+from toolpace.judge.alignment import Lost, align
 
 
 def aligned(motion, program, within=1.0):

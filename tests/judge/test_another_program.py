@@ -9,8 +9,7 @@ import pytest
 
 from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
-from toolpace.judge import program, verify
-from toolpace.judge.matching import alignment
+from toolpace.judge import alignment, program, verify
 from toolpace.programs.toolpath import no_rapids
 
 POINTS = motions.set_points()

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
-from toolpace.judge.matching.alignment import Lost, align
-from toolpace.judge.matching.sweep import NEVER, Line, Sweep
+from toolpace.judge.alignment import Lost, align
+from toolpace.judge.sweep import NEVER, Line, Sweep
 
 
 def turns(count, radius, *, parts=40, dwell=0, pitch=0.0):

@@ -13,7 +13,7 @@ from toolpace.judge import verify
 from toolpace.judge.motion import largest_difference, position_noise
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 DT = 1e-3
 POINTS = motions.set_points()

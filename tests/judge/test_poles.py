@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.judge.poles import pole_rounding
+from toolpace.judge.tool import pole_rounding
 
 STEP = 2.5e-4
 

@@ -12,7 +12,7 @@ from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.judge import verify, verify_plan
-from toolpace.judge.tool_lengths import length_checks, tool_table
+from toolpace.judge.tool import length_checks, tool_table
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.kernels import compile_order, signatures
+from toolpace.kernels import compile_order
 from toolpace.kernels.jit import KERNELS, called_by
 from toolpace.kernels.kernel_cache import SUFFIX
 from toolpace.kernels.lock import FileLock
 
-LISTED = signatures.read_signatures()
+LISTED = compile_order.read_signatures()
 
 SOME = """
 import json, sys
@@ -66,7 +66,7 @@ def test_no_kernel_takes_constants_or_arrays_in_another_order():
 def test_a_type_is_read_as_it_was_written():
     for kinds in LISTED.values():
         for kind in kinds:
-            assert signatures.to_text(signatures.from_text(kind)) == kind
+            assert compile_order.to_text(compile_order.from_text(kind)) == kind
 
 
 def test_a_kernel_is_given_out_after_all_that_it_calls():
@@ -125,7 +125,7 @@ JOB = """
 import toolpace as tp
 from toolpace.cli import demo_programs as demo
 from toolpace.kernels.jit import KERNELS
-from toolpace.kernels.signatures import from_text, read_signatures
+from toolpace.kernels.compile_order import from_text, read_signatures
 
 machine = tp.Machine.load(demo.MACHINE)
 toolpath = tp.read_text(demo.spiral_program(60, machine), machine)

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolpace.kernels import names
+from toolpace.kernels import jit
 from toolpace.kernels.kernel_cache import DIGEST
 
-KERNELS = ("optimal.multipliers.set_bounds", "optimal.tiles.tiled", "optimal.multipliers.start")
+KERNELS = ("optimal.multipliers.set_bounds", "optimal.multipliers.tiled", "optimal.multipliers.start")
 """The last one calls the first."""
 COMPILE = """
 import sys
@@ -78,13 +78,13 @@ def closing_over(value):
 
 def test_numbers_tell_functions_apart():
     one, two = closing_over(1), closing_over(2)
-    assert names.number_of(one) == names.number_of(closing_over(1)) != names.number_of(two)
-    assert names.number_of(closing_over(1.0)) != names.number_of(one)
-    assert names.number_of(closing_over(np.add)) != names.number_of(closing_over(np.multiply))
-    assert names.number_of(closing_over(closing_over)) != names.number_of(closing_over(run))
-    with pytest.raises(names.Unstable):
-        names.number_of(closing_over(object()))
+    assert jit.number_of(one) == jit.number_of(closing_over(1)) != jit.number_of(two)
+    assert jit.number_of(closing_over(1.0)) != jit.number_of(one)
+    assert jit.number_of(closing_over(np.add)) != jit.number_of(closing_over(np.multiply))
+    assert jit.number_of(closing_over(closing_over)) != jit.number_of(closing_over(run))
+    with pytest.raises(jit.Unstable):
+        jit.number_of(closing_over(object()))
     made_elsewhere = {}
     exec("def f(x): return x", made_elsewhere)
-    with pytest.raises(names.Unstable):
-        names.number_of(made_elsewhere["f"])
+    with pytest.raises(jit.Unstable):
+        jit.number_of(made_elsewhere["f"])

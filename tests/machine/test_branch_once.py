@@ -11,7 +11,7 @@ import pytest
 from tests.support.tool_paths import spiral, tilted, toolpath_through
 from toolpace.cli import main
 from toolpace.jobs import job
-from toolpace.kernels.kinematics import branches, states
+from toolpace.kernels.kinematics import branches
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import refined
 from toolpace.path.path import Path
@@ -30,7 +30,7 @@ def choices(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     seen: list[int] = []
     choose = branches.choose
 
-    def counted(frame: object, points: states.Points, *rest: object) -> bool:
+    def counted(frame: object, points: branches.Points, *rest: object) -> bool:
         seen.append(len(points.axis))
         return choose(frame, points, *rest)
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
 from toolpace.common.errors import MachineError, ReachError
-from toolpace.machine.chain_diagnosis import leaning, shown, tool_axis
+from toolpace.machine.geometry import leaning, shown, tool_axis
 from toolpace.machine.machine import FOLDER, Machine
 from toolpace.programs.reading import read_text
 

@@ -10,9 +10,8 @@ from scipy.special import erf
 
 from toolpace.machine.limits import Limits
 from toolpace.motion.adaptive_sampling import closer_look, gained_in_a_ramp, stretches_unseen
-from toolpace.motion.laws.clock import ClockLaw
-from toolpace.motion.laws.law import Probe
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import ClockLaw, Probe
+from toolpace.path.axis_run import AxisRun
 
 LIMITS = Limits([1.0, 1.0], [10.0, 10.0], [1e3, 1e3])
 AT, WIDTH, HIGH = 0.437, 2e-4, 3.0

@@ -10,7 +10,7 @@ from testbed.jets import harmonics, path_of, straight
 from testbed.random_plans import FAMILIES, WAYS, random_plan
 from toolpace.kernels.motion import usage
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.planning.planner import plan
 

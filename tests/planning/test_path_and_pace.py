@@ -12,10 +12,9 @@ import pytest
 import toolpace as tp
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.planning.limit_tolerances import PROMISED
-from toolpace.planning.path_and_pace.effort_settings import THOROUGH
 from toolpace.planning.path_and_pace.interior_point import EASED, Work, eased, fix, reach
 from toolpace.planning.path_and_pace.local_refit import known_run, standing_still, windows
-from toolpace.planning.path_and_pace.segment import JERK, SLOT, Stretch, slots_of
+from toolpace.planning.path_and_pace.segment import JERK, SLOT, THOROUGH, Stretch, slots_of
 from toolpace.planning.path_and_pace.simultaneous import kept_to_the_promise
 from toolpace.planning.program_plan import plan_program
 

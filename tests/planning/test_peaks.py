@@ -8,7 +8,7 @@ import pytest
 from testbed.jets import harmonics, path_of
 from tests.support.bends import bend, limits_of
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.path_at_probes import BENT, caps_between
 from toolpace.planning.peaks import CLOSELY, VAGUE_ABOVE, LimitCheck, between
 

@@ -10,7 +10,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.common.errors import UsageError
-from toolpace.motion.laws.linear import LinearLaw
+from toolpace.motion.laws import LinearLaw
 from toolpace.planning.planned_run import PlannedRun
 
 

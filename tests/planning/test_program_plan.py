@@ -14,19 +14,21 @@ from testbed.programs import s_shape, tulsyan
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError
 from toolpace.kernels.fit.quintic_spline import third_rows
-from toolpace.motion.laws.linear import LinearLaw
+from toolpace.motion.laws import LinearLaw
 from toolpace.path.fit import fit
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning import program_plan
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.optimal import planner as optimal_planner
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.path_and_pace import alternating, local_refit
-from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
-from toolpace.planning.path_and_pace.effort_settings import QUICK
+from toolpace.planning.path_and_pace.candidate_evaluation import USUAL_LOSS, CheapEvaluation, crawls
+from toolpace.planning.path_and_pace.local_refit import where_it_matters
+from toolpace.planning.path_and_pace.segment import QUICK
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
@@ -80,24 +82,70 @@ def test_the_path_tells_where_it_uses_the_tolerance(plans):
 def test_a_path_that_turns_out_slow_gives_way_to_the_first(blade, machine, monkeypatch):
     """The cheap motions of rounds promised more than whole plans hold: all that may be better are planned."""
     fitted = fit_program(blade, machine, TIP, AXIS, effort="normal")
-    planned = program_plan.plan
 
-    def slow(axis_path, *given, **options):
-        trajectory = planned(axis_path, *given, bound=False, guard=False)
-        if axis_path.runs[0].run is fitted.first.runs[0]:
-            return trajectory
-        return replace(trajectory, laws=tuple(law.slowed(9.0) for law in trajectory.laws))
+    def slow(planner, run, *given):
+        planned = plan_run(Optimal(bound=False, guard=False), run, *given)
+        return planned if run.run is fitted.first.runs[0] else replace(planned, law=planned.law.slowed(9.0))
 
-    monkeypatch.setattr(program_plan, "plan", slow)
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
     assert plan_fitted(fitted, machine).path is fitted.first
 
-    def none(axis_path, *given, **options):
-        if axis_path.runs[0].run is fitted.first.runs[0]:
-            return slow(axis_path, *given)
+    def none(planner, run, *given):
+        if run.run is fitted.first.runs[0]:
+            return slow(planner, run, *given)
         raise InfeasibleError("none")
 
-    monkeypatch.setattr(program_plan, "plan", none)
+    monkeypatch.setattr(Optimal, "plan_run", none)
     assert plan_fitted(fitted, machine).path is fitted.first
+
+    def nowhere(planner, run, *given):
+        raise InfeasibleError("the first" if run.run is fitted.first.runs[0] else "another")
+
+    monkeypatch.setattr(Optimal, "plan_run", nowhere)
+    with pytest.raises(InfeasibleError, match=r"^the first$"):
+        plan_fitted(fitted, machine)
+
+
+TWO_RUNS = "G21 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F20000\nY4\nX0\nY8\nG4 P1\nX20\nY12\nX0\n"
+
+
+def test_each_run_takes_the_best_of_its_paths(machine, monkeypatch):
+    """Where the plan of one run turns out slow another path takes its place there, and there only."""
+    program = tp.read_text(TWO_RUNS, machine)
+    fitted = fit_program(program, machine, TIP, AXIS)
+    promised, first = fitted.candidates[0], fitted.first
+    assert promised.path is not first and len(first.runs) == 2
+    planned = []
+
+    def slow(planner, run, *given):
+        planned.append(run.run)
+        found = plan_run(planner, run, *given)
+        return replace(found, law=found.law.slowed(4.0)) if run.run is promised.path.runs[1] else found
+
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
+    found = plan_fitted(fitted, machine)
+    assert planned.count(promised.path.runs[0]) == 1 and first.runs[0] not in planned
+    assert found.path.runs[0] is promised.path.runs[0] and found.path.runs[1] is not promised.path.runs[1]
+    runs = found.trajectory.axis_path.runs
+    assert [run.run for run in runs] == list(found.path.runs)
+    end, begin = runs[0].evaluate(np.array([runs[0].s1]))[0], runs[1].evaluate(np.array([runs[1].s0]))[0]
+    np.testing.assert_allclose(end, begin, atol=1e-12)
+    assert found.trajectory.usage().worst <= 1.0001
+    assert found.path.tip_deviation == max(run.deviations()[1].max() for run in found.path.runs) <= TIP
+    assert found.trajectory.lower_bound <= found.trajectory.duration < plan_fitted(
+        replace(fitted, candidates=(promised,)), machine
+    ).trajectory.duration
+
+
+def test_a_run_whose_plan_is_as_long_as_it_may_be_is_planned_once(machine, monkeypatch):
+    """Cheap motions of its paths are a little too fast, all by the same: a look at the others would tell nothing."""
+    fitted = fit_program(tp.read_text(TWO_RUNS, machine), machine, TIP, AXIS)
+    planned, plan_run = [], Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", lambda *given: planned.append(given[1]) or plan_run(*given))
+    plan_fitted(fitted, machine)
+    assert len(planned) == 2 and len(fitted.candidates) >= 3
 
 
 def test_joints_beyond_travel_on_a_fast_path_leave_the_others(blade, machine):
@@ -135,11 +183,12 @@ def test_a_first_path_whose_motion_nobody_knows_is_planned_too(blade, machine, m
     assert all(each.axis_tolerance > 1.5 * math.radians(0.05) for each in fitted.rounds)
     slowed = []
 
-    def slow(axis_path, *given, **options):
-        slowed.append(axis_path.runs[0].run)
-        return planned(axis_path, *given, bound=False, guard=False)
+    def slow(planner, run, *given):
+        slowed.append(run.run)
+        return plan_run(Optimal(bound=False, guard=False), run, *given)
 
-    monkeypatch.setattr(program_plan, "plan", slow)
+    plan_run = Optimal.plan_run
+    monkeypatch.setattr(Optimal, "plan_run", slow)
     plan_fitted(fitted, machine)
     assert slowed[-1] is unknown.runs[0]
 
@@ -295,19 +344,35 @@ def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade,
 
 
 @pytest.mark.sweep
-def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine):
-    """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing."""
+def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine, monkeypatch):
+    """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing, but
+    for finer cells there."""
     cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
     program = tp.read_text(cut, machine)
     rounds = fit_program(program, machine, TIP, AXIS).rounds
     assert len(rounds) == 3 and min(each.duration for each in rounds) < rounds[0].duration < 20.0
-    at_nodes = tp.plan(tp.Path.fit(program, TIP, AXIS, machine), machine, guard=False, bound=False)
-    assert at_nodes.duration > 100.0 and crawls(at_nodes.laws[0])
+    path = tp.Path.fit(program, TIP, AXIS, machine)
+    at_nodes = tp.plan(path, machine, guard=False, bound=False)
+    assert not crawls(at_nodes.laws[0])
+    assert at_nodes.duration == pytest.approx(tp.plan(path, machine, bound=False).duration, rel=USUAL_LOSS)
+
+    pecks = tp.read_text("G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n", machine)
+    path = tp.Path.fit(pecks, TIP, AXIS, machine)
+    at_nodes = tp.plan(path, machine, guard=False, bound=False)
+    assert not crawls(at_nodes.laws[0])
+    monkeypatch.setattr(optimal_planner, "without_falls", as_it_was)
+    crawling = tp.plan(path, machine, guard=False, bound=False)
+    assert crawling.duration > 3.0 * at_nodes.duration and crawls(crawling.laws[0])
+
+
+def as_it_was(meshed, law, workers):
+    return law
 
 
 @pytest.mark.sweep
 def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
     """Of a drill that crawls at the nodes; what is taken is what planning its path gives."""
+    monkeypatch.setattr(optimal_planner, "without_falls", as_it_was)
     cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
     fitted = fit_program(tp.read_text(cut, machine), machine, TIP, AXIS)
     known = next(each for each in fitted.candidates if set(each.joints.runs) <= set(each.whole))
@@ -322,6 +387,18 @@ def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, mon
     # other options ask for other plans
     plan_fitted(fitted, machine, planner=Optimal(bound=False))
     assert planned == list(known.joints.runs)
+
+
+def test_knots_of_a_change_lie_where_the_motion_is_slower_than_its_feed():
+    times, slower = np.linspace(0.0, 100.0, 10_001), np.zeros(10_001, dtype=bool)
+    slower[4_000:4_100] = True
+    needed = where_it_matters(times, slower)
+    assert needed[3_980:4_120].all() and needed[0] and np.count_nonzero(needed) < 600
+    gaps = np.diff(times[needed])
+    near = np.maximum(np.abs(times[needed][:-1] - 40.5), 0.5)
+    assert (gaps < 0.02 + 0.1 * near).all()
+    assert np.count_nonzero(where_it_matters(times, np.zeros_like(slower))) < 50
+    assert where_it_matters(times, ~np.zeros_like(slower)).all()
 
 
 def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine, monkeypatch):

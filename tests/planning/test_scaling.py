@@ -7,12 +7,12 @@ import pytest
 
 from testbed.jets import harmonics
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound.continuous import continuous_bound
-from toolpace.planning.genetic.planner import Genetic
+from toolpace.planning.genetic import Genetic
 from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.planner import Planner, plan
-from toolpace.planning.second_order.planner import SecondOrder
+from toolpace.planning.second_order import SecondOrder
 
 ALIKE, USED = 1e-9, 1e-6
 """Of durations, bounds and mesh; and of usage: a jerk that is not at its limit is as exact as the solver's end."""

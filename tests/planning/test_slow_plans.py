@@ -7,7 +7,7 @@ import pytest
 from testbed.slow_plans import AS_GIVEN, Work, cause, cause_by_planning_again, watched, work_of
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.kernels.optimal import solver
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.planner import plan
 
 SLOW, FEW = 2e-4, 0.1

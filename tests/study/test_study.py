@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from toolpace import study
-from toolpace.deflection import replanning
+from toolpace import deflection, study
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.study import simulation
 from toolpace.study.simulation import DEFLECTION, Study
@@ -186,7 +185,7 @@ def test_what_is_gone_backwards_is_so_by_the_nearest_points_of_the_path(done: St
     """The page says it; here every place is projected on the path."""
     for name, (way, duration) in done.ways().items():
         tips = way.tip(np.linspace(0.0, duration, 150))[0]
-        s = np.array([replanning.project(done.path, tip).s for tip in tips])
+        s = np.array([deflection.project(done.path, tip).s for tip in tips])
         assert (np.maximum.accumulate(s) - s).max() == pytest.approx(facts["gone_back"][name]["tip_m"], abs=2e-6)
     back = facts["gone_back"]
     assert back["genetic"]["tip_m"] > 5e-4 and back["literal_acceleration"]["tip_m"] > 5e-4

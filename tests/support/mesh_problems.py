@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from tests.support.random_paths import harmonics, random_limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.planner import fastest_law

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 
 def polynomials(*coefficients: list[float]) -> Callable[[np.ndarray, int], np.ndarray]:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 
 import numpy as np
 
 from toolpace.cli import main
 from toolpace.common.files.seal import KEY, write_seal
+from toolpace.machine.machine import Machine
+from toolpace.motion.files.compact_set_points import write_compact
+from toolpace.motion.files.set_point_files import read_set_points
+from toolpace.motion.setpoints import SetPoints
 
 
 class Tamper:
@@ -35,6 +40,15 @@ class Tamper:
             arrays = {name: archive[name].copy() for name in archive.files}
         change(arrays)
         np.savez(path, **arrays)
+        self.seal()
+
+    def compact_arrays(self, change):
+        """The same of a plan with setpoints.compact."""
+        machine, points = Machine.load(self.folder / "machine.toml"), read_set_points(self.folder)
+        arrays = {each.name: np.array(getattr(points, each.name)) for each in fields(points)}
+        change(arrays)
+        points = SetPoints(**arrays | {"joints": tuple(map(str, arrays["joints"]))})
+        write_compact(self.folder / "setpoints.compact", points, machine)
         self.seal()
 
     def verdict(self, capsys):

@@ -25,9 +25,14 @@ from tools.mutants.line_map import OUT, LineMap, record
 from tools.mutants.reasons import reason_of
 from tools.mutants.trial import SURVIVED, ChangedFile, tried
 
+DEFLECTION = [f"deflection/{name}.py" for name in (
+    "compensation", "detour", "detour_law", "feed", "measured_pose", "motion_state", "new_trajectory", "rejoin_motion",
+    "skipped",
+)]  # fmt: skip
 ROOMS = {
     "judge": ["judge"], "guard": ["planning/optimal", "planning/peaks.py"], "bound": ["planning/bound"],
-    "fit": ["path/fit"], "follower": ["deflection/following"], "deflection": ["deflection/replanning"],
+    "fit": ["path/fit"], "follower": ["deflection/following"],
+    "deflection": [*DEFLECTION, "deflection/projection", "deflection/rejoin"],
     "reading": ["programs/reading"], "export": ["controls/export"], "sampling": ["motion"],
 }  # fmt: skip
 """The rooms that keep promises, and where they are below src/toolpace."""

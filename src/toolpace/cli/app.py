@@ -9,9 +9,9 @@ from cyclopts import App
 from toolpace.cli import options
 from toolpace.cli.commands import batch, compare, export, follow, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.common.version import __version__
 
 INTRODUCTION = """The fastest motion along a five-axis tool path, within every axis's limits.
 
@@ -68,7 +68,7 @@ def plan_command(
     files: options.Files = options.USUAL_FILES,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
-    """Plan the fastest motion of a program on a machine; write plan.json, setpoints.npz and report.html.
+    """Plan the fastest motion of a program on a machine; write plan.json, set-points and report.html.
 
     The program is smoothed within the tolerances and planned up to the limits of
     the machine and its own feeds. The motion is verified independently, and written
@@ -106,13 +106,13 @@ def plan_command(
         tool=arguments.tool_named(bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
-        npz=arguments.npz_wanted(files.npz),
+        npz=arguments.form_of_set_points(files.npz),
         report=not files.no_report,
     )
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
-    summary.show_files(console, task.out, job.written(task, record))
+    summary.show_files(console, task.out, job.written(task, record), record)
     return job.exit_code(record, verification)
 
 
@@ -318,7 +318,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     task = job.Job(Path(source.name), machine, place, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
     record, verification = job.carry_out(task, steps)
     summary.show_plan(console, record, verification)
-    summary.show_files(console, place, job.written(task, record))
+    summary.show_files(console, place, job.written(task, record), record)
     report = (place / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
     return job.exit_code(record, verification)

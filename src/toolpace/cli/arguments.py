@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
 
 NEGATIVE = re.compile(r"-[0-9.]")
 """How a negative number begins, that was taken for an option."""
@@ -79,7 +79,7 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 def tolerances(typed: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
     from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE, TOLERANCES_OF_PROGRAM
-    from toolpace.programs.tolerances.tolerances import SIDES, Tolerances
+    from toolpace.programs.tolerances import SIDES, Tolerances
 
     metres = _above_zero("--tip-tolerance", units.parse_length, TIP_TOLERANCES, units.format_length, "0.001mm")
     radians = _above_zero("--axis-tolerance", units.parse_angle, AXIS_TOLERANCES, units.format_angle, "0.01deg")
@@ -157,11 +157,11 @@ def tool_named(path: str | None) -> CuttingTool | None:
     return load_tool(path)
 
 
-def npz_wanted(text: str) -> bool:
-    """Whether set-points are written: all of them, or none."""
-    if text not in ("all", "none"):
-        raise UsageError(f"--npz {text[:40]}: give all or none")
-    return text == "all"
+def form_of_set_points(text: str) -> str:
+    """How set-points are written: full, compact, auto or no."""
+    from toolpace.motion.files.set_point_files import form_named
+
+    return form_named("--npz", text)
 
 
 def time_given(option: str, text: str) -> float:

@@ -110,8 +110,9 @@ Dialect = Annotated[
 Npz = Annotated[
     str,
     Parameter(
-        help="all: write every set-point to setpoints.npz. none: leave it out, where only the time of a long program is"
-        " wanted; the plan can then be neither verified again nor exported."
+        help="How set-points are written. full: setpoints.npz, arrays of numpy. compact: setpoints.compact, a thirtieth"
+        " of it, read by toolpace alone. auto: full up to 20 MB, else compact. no: not at all, where only the time of a"
+        " long program is wanted; the plan can then be neither verified again nor exported."
     ),
 ]
 Bend = Annotated[
@@ -131,7 +132,7 @@ class Files:
 
     dt: TimeStep = "1ms"
     csv: Csv = False
-    npz: Npz = "all"
+    npz: Npz = "auto"
     no_report: NoReport = False
 
 

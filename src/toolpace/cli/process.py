@@ -14,7 +14,7 @@ from types import FrameType
 from typing import NoReturn, TextIO
 
 from toolpace.common.files import finished
-from toolpace.common.files.signals import ENDING
+from toolpace.common.files.atomic import ENDING
 from toolpace.common.workers import interrupted
 
 GONE = (errno.EPIPE, errno.EBADF)

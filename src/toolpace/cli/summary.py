@@ -8,10 +8,11 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.console import cells, new_table
-from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
+from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+from toolpace.motion.files.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
 
@@ -260,7 +261,7 @@ def show_machine(console: Console, machine: Machine) -> None:
 
 def show_poses(console: Console, machine: Machine) -> None:
     """The chain, and poses to compare with the real machine; lines are not broken, so that columns stay aligned."""
-    from toolpace.machine.pose_table import pose_table
+    from toolpace.machine.tables import pose_table
 
     _head(console, machine)
     console.print(Text(f"Tip and tool axis in the frame of the part:\n{pose_table(machine.geometry)}"), soft_wrap=True)
@@ -268,14 +269,26 @@ def show_poses(console: Console, machine: Machine) -> None:
 
 def _head(console: Console, machine: Machine) -> None:
     """Name, note and chain."""
-    from toolpace.machine.table import title
+    from toolpace.machine.tables import title
 
     name, _, rest = title(machine.file, machine.kind).partition(": ")
     name, rest, note = printable(name), printable(rest), printable(machine.file.note)
     console.print(Text.assemble((name, "bold"), f"  {note + '; ' if note else ''}{rest}"), soft_wrap=True)
 
 
-def show_files(console: Console, folder: Path, names: list[str]) -> None:
-    """What was written, the report last."""
+def show_files(console: Console, folder: Path, names: list[str], record: PlanRecord | None = None) -> None:
+    """What was written, the report last; of a plan's compact set-points also how to have them as arrays."""
     line = f"   {printable(str(folder))}: {', '.join(names)}"
     console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
+    if record is not None and COMPACT_FILE in names:
+        console.print(Text.assemble(("set-points", "dim"), f"{compact_in_words(folder, record)}"), soft_wrap=True)
+
+
+def compact_in_words(folder: Path, record: PlanRecord) -> str:
+    """ "setpoints.compact, 20 MB: tp.read_set_points reads it; --npz full writes setpoints.npz, about 630 MB"."""
+    small = (folder / COMPACT_FILE).stat().st_size
+    full = full_size(record.set_points, len(record.usage.velocity))
+    return (
+        f" {COMPACT_FILE}, {small / 1e6:.3g} MB: tp.read_set_points reads it; --npz full writes {FULL_FILE}, about "
+        f"{full / 1e6:.3g} MB"
+    )

@@ -1,1 +1,3 @@
 """What every room stands on: errors, units, checked arrays, files, workers."""
+
+__version__ = "0.1.0"

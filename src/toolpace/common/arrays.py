@@ -52,15 +52,15 @@ def numbers(value: object, name: str, *shapes: Shape, finite: bool = True, unit:
     ):
         return value
     wanted = _wanted("real numbers", shapes, unit) + (f"; {cure}" if cure else "")
-    given = _array(value, name, wanted, "iuf")
-    _check_shape(given, name, shapes, wanted)
+    array = _array(value, name, wanted, "iuf")
+    _check_shape(array, name, shapes, wanted)
     found: Floats
-    if given.dtype == np.float64:
-        plain = given.flags.c_contiguous and given.flags.aligned
-        found = given if plain else given.astype(np.float64, order="C")  # type: ignore[assignment]
+    if array.dtype == np.float64:
+        plain = array.flags.c_contiguous and array.flags.aligned
+        found = array if plain else array.astype(np.float64, order="C")  # type: ignore[assignment]
     else:
         with np.errstate(over="ignore"):
-            found = given.astype(np.float64, order="C")
+            found = array.astype(np.float64, order="C")
     if finite and not np.isfinite(found).all():
         at = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
         place = f"[{', '.join(map(str, at))}]" if at else ""
@@ -77,9 +77,9 @@ def number(
     """
     bound = f", {'above' if above else 'of at least'} {least:g}" if least > -np.inf else ""
     wanted = f"give a number{bound}{f' [{unit}]' if unit else ''}{', or inf' if endless else ''}"
-    given = _array(value, name, wanted, "iuf")
-    _check_shape(given, name, ((),), wanted)
-    found = float(given)
+    array = _array(value, name, wanted, "iuf")
+    _check_shape(array, name, ((),), wanted)
+    found = float(array)
     if not (found > least if above else found >= least) or (np.isinf(found) and not endless):
         raise UsageError(f"{name} is {found:g}; {wanted}")
     return found
@@ -88,20 +88,20 @@ def number(
 def integers(value: object, name: str, *shapes: Shape) -> Ints:
     """Whole numbers of one of some shapes, in C order; floats that are whole are taken. Raises UsageError."""
     wanted = _wanted("whole numbers", shapes, "")
-    given = _array(value, name, wanted, "iuf")
-    _check_shape(given, name, shapes, wanted)
-    if given.dtype.kind == "f" and not ((given == np.rint(given)) & (np.abs(given) <= KEPT)).all():
+    array = _array(value, name, wanted, "iuf")
+    _check_shape(array, name, shapes, wanted)
+    if array.dtype.kind == "f" and not ((array == np.rint(array)) & (np.abs(array) <= KEPT)).all():
         raise UsageError(f"{name} holds numbers that are not whole; {wanted}")
-    found: Ints = np.require(given, np.int64, ["C", "A"])
+    found: Ints = np.require(array, np.int64, ["C", "A"])
     return found
 
 
 def marks(value: object, name: str, *shapes: Shape) -> Bools:
     """True and false of one of some shapes, in C order. Raises UsageError."""
     wanted = _wanted("true and false", shapes, "")
-    given = _array(value, name, wanted, "b", empty_too=True)
-    _check_shape(given, name, shapes, wanted)
-    found: Bools = np.require(given, np.bool_, ["C", "A"])
+    array = _array(value, name, wanted, "b", empty_too=True)
+    _check_shape(array, name, shapes, wanted)
+    found: Bools = np.require(array, np.bool_, ["C", "A"])
     return found
 
 

@@ -79,8 +79,8 @@ def in_short(error: Exception) -> str:
     return text if len(text := str(error)) <= LONGEST_FAULT else f"{text[:LONGEST_FAULT]}..."
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
+def did_you_mean(word: str, names: Iterable[str]) -> str:
     """A hint that ends a message: the nearest known word, or all of them."""
-    choices = list(known)
+    choices = list(names)
     close = difflib.get_close_matches(word, choices, n=1, cutoff=0.6)
     return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(choices)}"

@@ -158,11 +158,11 @@ def _parse(text: str, units: dict[str, float], quantity: str, example: str, *, p
         raise UsageError(f"'{text}' is not a {quantity}: write a number and a unit, like {example}")
     number, unit = float(match[1]), match[2].lower()
     factors = {name.lower(): factor for name, factor in units.items()}
-    known = ", ".join(name for name in units if name.isascii())
+    names = ", ".join(name for name in units if name.isascii())
     if not unit:
-        raise UsageError(f"{quantity} '{text}' has no unit: write it like {example} (units: {known})")
+        raise UsageError(f"{quantity} '{text}' has no unit: write it like {example} (units: {names})")
     if unit not in factors:
-        raise UsageError(f"'{match[2][:_SHOWN]}' is not a unit of {quantity}: use one of {known}, like {example}")
+        raise UsageError(f"'{match[2][:_SHOWN]}' is not a unit of {quantity}: use one of {names}, like {example}")
     value = number * factors[unit]
     if not math.isfinite(value) or value < 0 or (positive and value == 0):
         bound = "above zero" if positive else "zero or more"

@@ -198,9 +198,9 @@ def side_by_side(
     `work` is given the number of the run, the workers, for work within the run, and whom to tell how far it is. The
     `weights` say how much of the whole each run is. Where one fails, the others stop, and its error is raised.
     """
-    told = CallersProgress(progress)
-    workers = Workers(told)
-    parts = told.split(weights)
+    reported = CallersProgress(progress)
+    workers = Workers(reported)
+    parts = reported.split(weights)
 
     def one(k: int) -> R:
         try:
@@ -212,7 +212,7 @@ def side_by_side(
         return out
 
     out = workers.aside(lambda: workers.each(one, range(len(weights))))
-    told(1.0)
+    reported(1.0)
     return out
 
 

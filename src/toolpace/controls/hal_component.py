@@ -25,11 +25,12 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason
+from toolpace.common.files.atomic import ENDING
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.controls.hal import JOINTS, Request, Rows, approach, make_pins, position, read_request
 from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
-from toolpace.kernels.follow.path import place_on_path
+from toolpace.kernels.follow.pace import place_on_path
 from toolpace.machine.limits import Limits
 
 SLOWEST = 0.1
@@ -37,7 +38,6 @@ SLOWEST = 0.1
 PATIENCE = 10.0
 """Longest that a stop, or the end of the queue, is waited for [s]."""
 STANDING = Request(0.0, None, False)
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COLUMNS = (
     "row", "t", *(f"joint_{j}" for j in range(JOINTS)), *(f"correction_{j}" for j in range(JOINTS)),
     "path_time", "pace", "deflection_x", "deflection_y", "deflection_z", "status",
@@ -239,7 +239,7 @@ class Ending:
 def asked_to_end() -> Iterator[Ending]:
     """Let signals ask for the end of the block; who ignores one (nohup) goes on doing so."""
     ending = Ending()
-    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
     before = {number: signal.signal(number, ending.hear) for number in heard}
     try:
         yield ending

@@ -25,10 +25,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import FASTEST_FEED, METRES_PER_SECOND, refuse_other_unit
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.cutting_tool import FORCES, Cut, Force
 
 LAG = math.radians(1.5)
@@ -62,10 +61,10 @@ class CuttingForces(ByValue):
 
     def feed_per_tooth(self, speed: npt.ArrayLike) -> Floats:
         """Chip load [m] at a speed, or at speeds (n,), across the tool axis [m/s], in the shape of what is given."""
-        given = numbers(speed, "cutting forces: speed", ("n",), (), unit="m/s")
-        fastest = float(np.abs(given).max(initial=0.0))
+        speeds = numbers(speed, "cutting forces: speed", ("n",), (), unit="m/s")
+        fastest = float(np.abs(speeds).max(initial=0.0))
         refuse_other_unit(fastest, FASTEST_FEED, "cutting forces: speed", METRES_PER_SECOND)
-        return given / (
+        return speeds / (
             self.cut.cutter.teeth * self.cut.spindle_speed
         )
 

@@ -19,8 +19,8 @@ import numpy as np
 
 from toolpace.common import units
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.common.files.tables import TableFile, Tables
-from toolpace.cutting.bending.compliance import Bending
+from toolpace.common.files.toml import TableFile, Tables
+from toolpace.cutting.compliance import Bending
 from toolpace.machine.cutting_tool import (
     FORCES,
     MILLINGS,
@@ -110,23 +110,23 @@ class _File(Tables):
 
     def bending(self, bending: Table, tool: Table, cutter: Cutter) -> Bending:
         """From the one of three ways to say it that is there."""
-        given = [key for key in ("youngs_modulus", "stiffness", "compliance") if key in bending]
-        if len(given) != 1:
-            found = f"has {' and '.join(given)}" if given else "says nothing of stiffness"
+        keys = [key for key in ("youngs_modulus", "stiffness", "compliance") if key in bending]
+        if len(keys) != 1:
+            found = f"has {' and '.join(keys)}" if keys else "says nothing of stiffness"
             self.fail(
                 "[bending]",
                 f'{found}; write one of youngs_modulus = "580GPa", stiffness = ["9N/um", "9N/um", "200N/um"] or '
                 "compliance (3 x 3, um/N)",
             )
-        if given == ["youngs_modulus"]:
+        if keys == ["youngs_modulus"]:
             if "stick_out" not in tool:
                 self.fail("[tool]", 'stick_out is missing: youngs_modulus needs it; write it like stick_out = "30mm"')
             modulus = self.quantity("[bending]", bending, "youngs_modulus", units.parse_pressure, "580GPa")
             bar = self.length("[bending]", bending, "diameter", cutter.diameter)
             return Bending.cantilever(bar, self.length("[tool]", tool, "stick_out"), modulus)
         if "diameter" in bending:
-            self.fail("[bending]", f"diameter goes with youngs_modulus, and {given[0]} is there; remove one of both")
-        if given == ["stiffness"]:
+            self.fail("[bending]", f"diameter goes with youngs_modulus, and {keys[0]} is there; remove one of both")
+        if keys == ["stiffness"]:
             three = self.three("[bending]", bending, "stiffness", '["9N/um", "9N/um", "200N/um"]')
             place = "[bending] stiffness"
             springs = [
@@ -211,15 +211,15 @@ class _File(Tables):
             self.fail(place, f"{key} = {found!r:.40} is not a list of three; write it like {key} = {example}")
         return found
 
-    def word(self, place: str, table: Table, key: str, known: tuple[Word, ...], usual: Word | None = None) -> Word:
+    def word(self, place: str, table: Table, key: str, words: tuple[Word, ...], usual: Word | None = None) -> Word:
         found = table.get(key, usual)
         if found is None:
-            self.fail(place, f"{key} is missing; write one of {', '.join(known)}")
-        for word in known:
+            self.fail(place, f"{key} is missing; write one of {', '.join(words)}")
+        for word in words:
             if found == word:
                 return word
         other = OTHER_WORDS.get(str(found).strip().lower().split(" ")[0]) if key == "milling" else None
-        hint = f"did you mean '{other}'?" if other else did_you_mean(str(found)[:40], known)
+        hint = f"did you mean '{other}'?" if other else did_you_mean(str(found)[:40], words)
         self.fail(place, f"{key} = {found!r:.40} is not known; {hint}")
 
     def length(self, place: str, table: Table, key: str, usual: float | None = None) -> float:

@@ -35,8 +35,7 @@ def follow_as_planned(machine: Candidate, toolpath: ToolPath) -> None:
     from toolpace.common.errors import PathError
     from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
     from toolpace.machine.machine import Machine
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import AxisPath, check_travel
     from toolpace.path.path import Path
 
     assert isinstance(machine, Machine)

@@ -16,8 +16,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toolpace.common.description import counted
 from toolpace.common.units import format_length, format_time
+from toolpace.common.value_objects import counted
+from toolpace.common.workers import Workers
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
@@ -25,7 +26,7 @@ from toolpace.programs.reading.options import ReadOptions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from toolpace.cutting.bending.compensated_program import BendingCompensation
+    from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.judge import Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.programs.reading import Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult
 
@@ -70,7 +71,8 @@ class Job:
     """[s]"""
     csv: bool = False
     report: bool = True
-    npz: bool = True
+    npz: str = "auto"
+    """How set-points are written: "full", "compact", "auto" or "no" (motion/files/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
     source: Source | None = None
@@ -79,7 +81,7 @@ class Job:
 
 def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     """Read, fit, plan, sample, verify and write; raises ToolpaceError, and then has written nothing."""
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
     from toolpace.results import write
 
     job = loaded(job)
@@ -124,15 +126,16 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
     """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
     from toolpace.common.errors import UsageError
     from toolpace.common.files import free_disk
+    from toolpace.motion.files.set_point_files import form_of, full_size, size_of
     from toolpace.motion.setpoints import refuse_too_many
 
     joints = len(job.machine.joints)
     # A curve may cut corners, so half of the time is what is sure.
     refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
-    row = 8 * (4 * joints + 8)
-    share = job.npz + 2.5 * job.csv
+    count = 0.5 * duration / job.dt
+    form = form_of(job.npz, int(count), joints)
     # Of a table every figure has about 20 characters; a report has at most 20 MB.
-    wanted = 0.5 * duration / job.dt * row * share + 5e6
+    wanted = size_of(form, count, joints) + 2.5 * job.csv * full_size(count, joints) + 5e6
     free = free_disk(job.out)
     if wanted > free:
         raise UsageError(
@@ -183,7 +186,7 @@ def durations_in_words(rounds: Sequence[Round]) -> str:
 
 def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPlan:
     """The fastest motion along a path."""
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import check_travel
     from toolpace.planning.program_plan import plan_fitted
 
     with steps.step("planning") as step:
@@ -207,8 +210,8 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
     """The program compensated for the bending of its tool, and planned; None where it is stiff."""
     if job.tool is None:
         return None
-    from toolpace.cutting.bending.compensated_program import compensate_bending, refuse_coarse
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.cutting.compensated_program import compensate_bending, refuse_coarse
+    from toolpace.path.axis_path import check_travel
 
     refuse_coarse(toolpath, job.tool, job.dt)
     with steps.step("compensating") as step:
@@ -229,7 +232,7 @@ def program_name(job: Job) -> str:
 
 def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
     """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
-    from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
+    from toolpace.planning.bound.continuous import is_cheap, with_continuous_bound
 
     return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
 
@@ -270,9 +273,13 @@ def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:
 def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
     """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
     with steps.step("sampling") as step:
-        setpoints = trajectory.sample(job.dt)
+        sampled: list[SetPoints] = []
+        Workers().each(
+            lambda work: work(),
+            (lambda: sampled.append(trajectory.sample(job.dt, on_grid=True)), trajectory.usage),
+        )
+        setpoints = sampled[0]
         job.machine.check_travel(setpoints.q, setpoints.block, toolpath.source)
-        trajectory.usage()
         step.note = f"{len(setpoints)} set-points"
     return setpoints
 
@@ -307,9 +314,10 @@ def warm_up(steps: TimedSteps) -> None:
 
 def written(job: Job, record: PlanRecord) -> list[str]:
     """Names of the files of its folder, the one to look at last."""
-    from toolpace.results.write import written_files
+    from toolpace.results.write import TRAJECTORY, written_files
 
-    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz)
+    exact = (job.out / TRAJECTORY).exists()
+    return written_files(job.program, record, csv=job.csv, report=job.report, npz=job.npz, trajectory=exact)
 
 
 def exit_code(record: PlanRecord, verification: Verification) -> int:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.operation_times import OperationTime
     from toolpace.programs.reading import ReadOptions, Source
-    from toolpace.programs.tolerances.tolerances import Tolerances
+    from toolpace.programs.tolerances import Tolerances
 
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
 """What time goes to."""
@@ -77,7 +77,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     from toolpace.jobs.inspection import follow_as_planned
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     source = source if source is not None else Source.load(program)
     options, found = with_controller(source, request.dialect, request.options)
@@ -129,7 +129,7 @@ def planned_job(source: Source, request: TimeRequest) -> job.Job:
 def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
     from toolpace.motion.operation_times import operation_times
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)

@@ -15,19 +15,16 @@ from typing import Any, Protocol
 import numpy as np
 
 from toolpace.common.errors import UsageError
-from toolpace.judge.columns import column_checks
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import motion_checks, rest_checks, step_check
-from toolpace.judge.poles import pole_rounding
+from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
 from toolpace.judge.program import ProgramJudgement, program_checks
-from toolpace.judge.tool import tool_checks
-from toolpace.judge.tool_lengths import length_checks, tool_table
+from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_table
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.setpoints import SetPoints
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 __all__ = ["Check", "Verification", "verify"]

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.common.description import counted
-from toolpace.judge.matching.alignment import Alignment
+from toolpace.common.value_objects import counted
+from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
 from toolpace.judge.verification import Check

@@ -15,13 +15,13 @@ import numpy as np
 from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
-from toolpace.judge.operations import OperationFigures, Passages
-from toolpace.judge.tool_lengths import ways
+from toolpace.judge.passing import OperationFigures, Passages
+from toolpace.judge.tool import ways
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 SAME = 1e-9
@@ -199,8 +199,8 @@ class Figures:
             share = said[key]
             if share is not None and not 0.0 <= float(share) <= 1.0 + SAME:
                 bad = f"{key} is {share:g}, no share"
-        told = f"{said['effort']}, {len(said['rounds'])} rounds"
-        return [wrong("effort, rounds, at_tolerance", bad or told, not bad)]
+        shown = f"{said['effort']}, {len(said['rounds'])} rounds"
+        return [wrong("effort, rounds, at_tolerance", bad or shown, not bad)]
 
     def of_deviations(self) -> list[Check]:
         """How far the motion strays, and the tolerances it is judged by."""
@@ -237,8 +237,8 @@ class Figures:
             before = start
             k = int(np.searchsorted(self.points.t, start))
             near, block = self.points.block[max(k - EARLY, 0) : k + EARLY + 1], int(place["block"])
-            known = near if self.toolpath is None else self.toolpath.block
+            every = near if self.toolpath is None else self.toolpath.block
             # Short blocks begin and end between two set-points: none of these names them.
-            if not near.min() <= block <= near.max() or block not in known:
+            if not near.min() <= block <= near.max() or block not in every:
                 bad = f"block {place['block']} is not passed at {start:g} s"
         return [wrong("open_places", bad or f"{len(places)} places", not bad)]

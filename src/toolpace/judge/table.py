@@ -47,7 +47,7 @@ def table_check(path: Path, points: SetPoints, machine: Machine) -> Check:
                 part = slice(row, row + len(table))
                 right = np.hstack([value[part] for value in values]) * factors
                 if table.shape != right.shape or not _same(table, right):
-                    return _wrong(f"rows {row + 1} to {row + len(table)} hold other numbers than setpoints.npz")
+                    return _wrong(f"rows {row + 1} to {row + len(table)} hold other numbers than the set-points")
                 row += len(table)
             if row < len(points) or stream.read(1):
                 return _wrong(f"it has not as many rows as there are set-points ({len(points)})")
@@ -55,7 +55,7 @@ def table_check(path: Path, points: SetPoints, machine: Machine) -> Check:
         raise UsageError(f"{path}: cannot read: {reason(error)}") from None
     except ValueError:
         return _wrong("it holds what is no number")
-    return Check("setpoints.csv", 0.0, 0.0, "", True, note="as setpoints.npz")
+    return Check("setpoints.csv", 0.0, 0.0, "", True, note="as the set-points")
 
 
 def _wrong(note: str) -> Check:

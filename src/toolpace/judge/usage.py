@@ -99,8 +99,8 @@ class UsageFigures:
     def of_shares(self) -> list[Check]:
         """The limits that bind, and the share of the time in which each does."""
         said = {name: float(share) for name, share in self.said["limited_by"].items()}
-        known = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
-        strange = [name for name in said if name not in (*known, "dwell", "nothing")]
+        limits = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
+        strange = [name for name in said if name not in (*limits, "dwell", "nothing")]
         total = sum(said.values())
         if strange or min(said.values(), default=0.0) < 0.0 or not abs(total - 1.0) <= 1e-6:
             note = f"names {', '.join(strange)}" if strange else f"shares add up to {total:.6g}, not to 1"
@@ -110,8 +110,8 @@ class UsageFigures:
             right = float(self.toolpath.dwell.sum()) / float(self.said["duration_s"])
             ok = abs(said.get("dwell", 0.0) - right) <= DWELLS
             checks.append(Check("plan.json limited_by dwell", said.get("dwell", 0.0), right, "", ok))
-        found = self.shares(known)
-        off = {name: abs(said.get(name, 0.0) - found.get(name, 0.0)) for name in known}
+        found = self.shares(limits)
+        off = {name: abs(said.get(name, 0.0) - found.get(name, 0.0)) for name in limits}
         if self.feed_use is None or (self.toolpath is not None and (self.toolpath.least_time > 0.0).any()):
             # What a block's least time holds back counts as feed, and does not show in the speed of the tip.
             del off["feed"]

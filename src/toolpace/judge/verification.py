@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from toolpace.common.description import counted, one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import VerificationError
+from toolpace.common.value_objects import ByValue, counted, one_line
 
 _EDGE = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 """Units are turned into those of the shop floor only where a text is made."""

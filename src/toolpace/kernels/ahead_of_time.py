@@ -26,11 +26,10 @@ from collections.abc import Callable
 
 from numba.core import config
 
-from toolpace.kernels.compile_order import Work, import_kernels
+from toolpace.kernels.compile_order import Work, from_text, import_kernels, read_signatures
 from toolpace.kernels.jit import KERNELS
 from toolpace.kernels.kernel_cache import COMPLETE, Store, store, warn
 from toolpace.kernels.lock import FileLock
-from toolpace.kernels.signatures import from_text, read_signatures
 
 MOST_WORKERS = 8
 """More find nothing to do: kernels that call each other are compiled one after the other."""
@@ -116,9 +115,8 @@ def _share_out(work: Work, kept: Store, tell: Tell) -> bool:
 
 def cores() -> int:
     """How many cores this process may use."""
-    if sys.platform == "linux":
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)  # Linux
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 def _start(kept: Store) -> subprocess.Popen[str]:

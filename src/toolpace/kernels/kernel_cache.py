@@ -1,4 +1,4 @@
-"""The folder of compiled kernels: one file a kernel and signature, for exactly these sources.
+"""The folder of compiled kernels, one file a kernel and signature, and the interface by which numba uses it.
 
 numba's own cache looks at the file of the function only: after an edit in another file that the function inlines,
 stale machine code would run. It falls back to a folder beside the sources where its own cannot be written, and raises
@@ -21,6 +21,7 @@ import contextlib
 import functools
 import hashlib
 import os
+import pickle
 import platform
 import shutil
 import sys
@@ -28,11 +29,13 @@ import tempfile
 import time
 import uuid
 from pathlib import Path
+from typing import Any
 
 import llvmlite
 import numba
 import numpy as np
-from numba.core import config
+from llvmlite import binding
+from numba.core import compiler, config, serialize
 
 from toolpace.kernels.baseline import baselines, processor, usable
 
@@ -266,3 +269,65 @@ def warn(message: str) -> None:
     if not _warned():
         print(f"warning: {message}", file=sys.stderr, flush=True)
     _warned().append(message)
+
+
+class KernelCache:
+    """What numba asks for a kernel's code, and gives it to; in place of numba's own cache."""
+
+    def __init__(self, name: str) -> None:
+        """Take the kernel's name, unique among these sources."""
+        self._name = name
+        self.cache_path: str | None = None
+        self._enabled = True
+
+    def file(self, signature: Any) -> str:
+        """Name of the file of one signature, a tuple of numba's types."""
+        plain = "".join(c if c.isalnum() or c in "._" else "-" for c in self._name)
+        return f"{plain}-{hashlib.sha256(f'{self._name} {signature}'.encode()).hexdigest()[:12]}{SUFFIX}"
+
+    def load_overload(self, signature: Any, target_context: Any) -> Any:
+        """Return the compiled function for a signature, or None."""
+        target_context.refresh()
+        if not self._enabled:
+            return None
+        data = store().load(self.file(signature))
+        if data is None:
+            return None
+        try:
+            return compiler.CompileResult._rebuild(target_context, *pickle.loads(data))
+        except Exception as error:
+            store().damaged(self.file(signature), f"unreadable, {type(error).__name__}")
+            return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep a compiled function; whoever calls it is compiled with what is kept, like those that load it."""
+        _as_loaded(compiled.library)
+        if not self._enabled or compiled.lifted or compiled.library.has_dynamic_globals:
+            return
+        try:
+            data = serialize.dumps(compiled._reduce())
+        except Exception as error:
+            warn(f"compiled kernels cannot be kept with this numba ({type(error).__name__}); every run compiles them")
+            return
+        store().save(self.file(signature), data)
+
+    def enable(self) -> None:
+        """Load and save."""
+        self._enabled = True
+
+    def disable(self) -> None:
+        """Neither load nor save."""
+        self._enabled = False
+
+    def flush(self) -> None:
+        """Forget nothing: what is kept is never stale."""
+
+
+def _as_loaded(library: Any) -> None:
+    """Give a library that was just compiled the form in which its callers would find it loaded.
+
+    A caller's machine code holds that of its callees. From a module in memory the compiler made other code, by the last
+    bit of its results, than from the same module written and read: uses of a value come in another order there.
+    """
+    if hasattr(library, "_shared_module") and hasattr(library, "_get_module_for_linking"):
+        library._shared_module = binding.parse_bitcode(library._get_module_for_linking().as_bitcode())

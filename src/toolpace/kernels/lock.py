@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
+import importlib
 from pathlib import Path
 from types import TracebackType
-from typing import IO
+from typing import IO, Any
 
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
+
+class NoLocksError(OSError):
+    """The system, or the file system, knows no locks."""
 
 
 class FileLock:
@@ -22,17 +21,22 @@ class FileLock:
         self._file: IO[bytes] | None = None
 
     def take(self) -> bool:
-        """Whether this process has the lock now; raises OSError where the file system knows no locks."""
+        """Whether this process has the lock now; raises NoLocksError where nothing can be locked."""
         if self._file is None:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("ab")
+        posix, windows = _module("fcntl"), _module("msvcrt")
+        if posix is None and windows is None:
+            raise NoLocksError("this system knows no locks")
         try:
-            if sys.platform == "win32":
-                msvcrt.locking(self._file.fileno(), msvcrt.LK_NBLCK, 1)
+            if posix is not None:
+                posix.flock(self._file.fileno(), posix.LOCK_EX | posix.LOCK_NB)
             else:
-                fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+                windows.locking(self._file.fileno(), windows.LK_NBLCK, 1)
         except (BlockingIOError, PermissionError):
             return False
+        except OSError as error:
+            raise NoLocksError(error.errno, error.strerror) from error
         return True
 
     def __enter__(self) -> FileLock:
@@ -43,3 +47,11 @@ class FileLock:
         """Let go: a file that is closed is no longer locked."""
         if self._file is not None:
             self._file.close()
+
+
+def _module(name: str) -> Any:
+    """A module of one kind of system; None on the others."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from toolpace.common.arrays import Floats, frozen, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import METRES, WIDEST_TOOL, refuse_other_unit
+from toolpace.common.value_objects import ByValue, one_line
 
 Milling = Literal["up", "down", "slot"]
 MILLINGS: tuple[Milling, ...] = get_args(Milling)

@@ -128,9 +128,9 @@ def check_joint(joint: Joint, place: str, unit: str, scale: float) -> None:
             raise MachineError(f"{place}: {key} = {figure:g} {unit}{suffix}; give a number above zero")
         most = USUAL[joint.kind][key].most
         if not (SLOWEST <= figure * scale <= most or math.isinf(figure)):
-            asked = meant(joint.kind, key, figure, scale)
+            question = meant(joint.kind, key, figure, scale)
             raise MachineError(
-                f"{place}: {key} = {figure:g} {unit}{suffix} is beyond any joint{asked}; "
+                f"{place}: {key} = {figure:g} {unit}{suffix} is beyond any joint{question}; "
                 f"give a number between {SLOWEST / scale:.3g} and {most / scale:.3g}, or inf"
             )
     check_direction(joint.direction, "direction", place)

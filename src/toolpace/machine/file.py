@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 import msgspec
 
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
-from toolpace.common.files.tables import TableFile
+from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
 from toolpace.machine.figures import (
     LONGEST_NOTE,
@@ -83,8 +83,8 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 def read_machine(text: str, source: str) -> MachineFile:
     """Parse and check a machine file; `source` is its name for messages. Raises MachineError."""
     raw = FILE.table(text, source, parse_float=_finite)
-    known = ("name", "note", "columns", "units", "chain", "joints", "setup")
-    _check_keys(raw, known, ("name", "chain", "joints"), "", source)
+    keys = ("name", "note", "columns", "units", "chain", "joints", "setup")
+    _check_keys(raw, keys, ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
     if not isinstance(raw["joints"], dict):
@@ -168,8 +168,8 @@ def _in_columns(columns: object, joints: dict[str, JointFile], source: str) -> d
     if columns is None:
         return joints
     if not isinstance(columns, list) or sorted(map(str, columns)) != sorted(joints):
-        known = ", ".join(f'"{name}"' for name in joints)
-        raise MachineError(f"{source}: columns must name each joint once, in the order to list them: [{known}]")
+        names = ", ".join(f'"{name}"' for name in joints)
+        raise MachineError(f"{source}: columns must name each joint once, in the order to list them: [{names}]")
     return {str(name): joints[str(name)] for name in columns}
 
 
@@ -182,12 +182,12 @@ def _finite(text: str) -> float:
 
 
 def _check_keys(
-    raw: dict[str, object], known: tuple[str, ...], required: tuple[str, ...], place: str, source: str
+    raw: dict[str, object], keys: tuple[str, ...], required: tuple[str, ...], place: str, source: str
 ) -> None:
     where = f"{place} " if place else ""
     for key in raw:
-        if key not in known:
-            raise MachineError(f"{source}: {where}unknown key '{key[:40]}'; {did_you_mean(key, known)}")
+        if key not in keys:
+            raise MachineError(f"{source}: {where}unknown key '{key[:40]}'; {did_you_mean(key, keys)}")
     for key in required:
         if key not in raw:
             raise MachineError(f"{source}: {where}'{key}' is missing; add it")

@@ -98,7 +98,7 @@ def rotary_jets(geometry: Geometry, axis: Floats, rotary: Floats) -> Floats:
     At the pole the first rotary joint keeps its given position and rests. nan where the axis cannot be reached, and
     in the derivatives where it lies on the edge of reach.
     """
-    from toolpace.kernels.kinematics import rotary_jets as near
+    from toolpace.kernels.kinematics import jets as near
 
     axis, rotary = _writable(axis), _writable(rotary)
     out = np.empty((4, axis.shape[1], 2))

@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, numbers
-from toolpace.common.description import named, one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError
 from toolpace.common.units import ask_about_unit
+from toolpace.common.value_objects import ByValue, named, one_line
 
 KINDS = ("velocity", "acceleration", "jerk")
 
@@ -44,13 +43,13 @@ class Limits(ByValue):
         jerk: npt.ArrayLike,
         joints: Sequence[str] | None = None,
     ) -> None:
-        given = [
+        values = [
             np.atleast_1d(numbers(value, f"limits: {kind}", ("m",), (), finite=False)).copy()
             for kind, value in zip(KINDS, (velocity, acceleration, jerk))
         ]
-        count = len(joints) if joints else max(len(value) for value in given)
+        count = len(joints) if joints else max(len(value) for value in values)
         names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
-        for kind, value in zip(KINDS, given):
+        for kind, value in zip(KINDS, values):
             if value.ndim != 1 or len(value) not in (1, count):
                 raise UsageError(f"limits: {kind} has shape {value.shape} for {count} joints ({', '.join(names)})")
             limit = np.ascontiguousarray(np.broadcast_to(value, count)).copy()

@@ -12,19 +12,17 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Bools, Floats, Ints, integers, number, numbers
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
-from toolpace.machine.branch_continuation import rotary_between, turn_between
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.figures import ask_about, check_chain, is_usual
 from toolpace.machine.file import FILE, MachineFile, read_machine
 from toolpace.machine.geometry import Geometry, chain_geometry
-from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary
+from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_between, turn_between
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.machine.table import rows, title
+from toolpace.machine.tables import rows, title
 from toolpace.machine.text import machine_text
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
@@ -100,9 +98,9 @@ class Machine(ByValue, Posed):
     @classmethod
     def load(cls, name_or_path: str | Path) -> Machine:
         """A built-in machine by name, or one from a TOML file. Raises MachineError."""
-        given = str(name_or_path)
-        built_in = FOLDER / f"{given}.toml"
-        path = built_in if given in cls.names() else Path(given)
+        which = str(name_or_path)
+        built_in = FOLDER / f"{which}.toml"
+        path = built_in if which in cls.names() else Path(which)
         try:
             with path.open(encoding="utf-8-sig") as stream:
                 # It is read once (it may be a pipe), and no further than a machine file can go (it may never end).
@@ -110,14 +108,14 @@ class Machine(ByValue, Posed):
         except (OSError, ValueError) as error:
             if path.suffix == ".toml" or isinstance(error, ValueError) or _exists(path):
                 reason = getattr(error, "strerror", None) or "not a text file (UTF-8)"
-                raise MachineError(f"machine file {given}: {reason}; name a built-in machine or a .toml file") from None
-            known = ", ".join(cls.names())
-            close = did_you_mean(given, cls.names())
+                raise MachineError(f"machine file {which}: {reason}; name a built-in machine or a .toml file") from None
+            names = ", ".join(cls.names())
+            close = did_you_mean(which, cls.names())
             hint = f"{close} " if close.startswith("did") else ""
             raise MachineError(
-                f"unknown machine '{given}'; {hint}built-in: {known}; or give the path of a .toml file"
+                f"unknown machine '{which}'; {hint}built-in: {names}; or give the path of a .toml file"
             ) from None
-        return cls.from_toml(text, given)
+        return cls.from_toml(text, which)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
@@ -148,10 +146,10 @@ class Machine(ByValue, Posed):
         z: Sequence[float] | None = None,
     ) -> Machine:
         """The machine with the part mounted elsewhere: origin [m] and directions, bed frame, joints zero."""
-        given = {"origin": origin, "x": x, "z": z}
+        frame = {"origin": origin, "x": x, "z": z}
         vectors = {
             f"workpiece_{name}": tuple(numbers(value, f"machine {self.name}: mounted: {name}", (3,)).tolist())
-            for name, value in given.items()
+            for name, value in frame.items()
             if value is not None
         }
         for each in vectors.get("workpiece_origin", ()):
@@ -166,10 +164,10 @@ class Machine(ByValue, Posed):
 
     def with_tools(self, lengths: Iterable[float]) -> list[Machine]:
         """The machine with a tool of each of these lengths [m], as `with_tool`; equal ones are one object."""
-        given = list(lengths) if isinstance(lengths, Iterator) else lengths
-        figures = numbers(given, f"machine {self.name}: tool lengths", ("n",), finite=False, unit="m").tolist()
-        known: dict[float, Machine] = {}
-        return [known.setdefault(each, known.get(each) or self.with_tool(each)) for each in figures]
+        values = list(lengths) if isinstance(lengths, Iterator) else lengths
+        figures = numbers(values, f"machine {self.name}: tool lengths", ("n",), finite=False, unit="m").tolist()
+        cache: dict[float, Machine] = {}
+        return [cache.setdefault(each, cache.get(each) or self.with_tool(each)) for each in figures]
 
     def with_limits(self, limits: Limits) -> Machine:
         """The machine with other limits; `limits` has its joints in the same order."""
@@ -221,7 +219,7 @@ class Machine(ByValue, Posed):
     ) -> Floats:
         """Rotary positions (n, 2) [rad] along a tool path with points put in, on the branch chosen without them.
 
-        Those at its points `known` (k,) are `rotary` (k, 2); see machine/branch_continuation.py. Raises ReachError.
+        Those at its points `known` (k,) are `rotary` (k, 2); see machine/inverse.py. Raises ReachError.
         """
         at = integers(known, f"machine {self.name}: known", ("k",))
         last = len(toolpath) - 1

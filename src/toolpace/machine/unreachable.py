@@ -10,7 +10,6 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import ReachError
 from toolpace.machine.geometry import Geometry
 
-TURN = 2.0 * math.pi
 SLACK = 1e-9
 """How far a position may pass the end of travel, rounding aside [m or rad]."""
 UNLIKELY = 3.0
@@ -57,12 +56,12 @@ def _mirrored(geometry: Geometry, joint: int, positions: Floats) -> str:
 
 def unreachable_tilt(geometry: Geometry, axis: Floats, block: int, source: str = "") -> ReachError:
     """The error for a tool axis (3,) that no angles of the rotary joints give."""
-    asked = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ axis)))))
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, float(_pole(geometry) @ axis)))))
     low, high = tilt_range(geometry)
     first = geometry.joints[geometry.rotary[0]]
     return ReachError(
         f"{place(source, block)}unreachable tilt: the tool axis ({axis[0]:.5f}, {axis[1]:.5f}, "
-        f"{axis[2]:.5f}) stands at {asked:.3f} deg to the axis of joint {first}; {geometry.name} reaches "
+        f"{axis[2]:.5f}) stands at {angle:.3f} deg to the axis of joint {first}; {geometry.name} reaches "
         f"{low:.3f} to {high:.3f} deg; mount the part otherwise or take another machine"
     )
 
@@ -111,7 +110,7 @@ def _turned_round(geometry: Geometry, solutions: Floats) -> str:
         turned = np.where(np.arange(2) == joint, -solutions, solutions)
         # The lowest position at or above the lower end; an endless joint has every position.
         low = np.where(np.isfinite(travel[:, 0]), travel[:, 0], 0.0)
-        lowest = low + np.mod(turned - low + SLACK, TURN) - SLACK
+        lowest = low + np.mod(turned - low + SLACK, math.tau) - SLACK
         if (lowest <= travel[:, 1] + SLACK).all(axis=1).any():
             name = geometry.rotary_joints[joint]
             return (

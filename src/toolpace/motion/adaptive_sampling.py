@@ -8,9 +8,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.law import Probe, TimeLaw
+from toolpace.motion.laws import Probe, TimeLaw
 from toolpace.motion.usage import ratios_along
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 
 IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
 """Where it is looked at between two hints of a run, as shares of the stretch."""
@@ -32,7 +32,7 @@ def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tup
     """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these tell too little.
 
     Places are added in stretches between two hints of the run that have too few states; where the path does not go on
-    between two states as its derivatives say (kernels/motion/narrow_features.py), until what is there is resolved;
+    between two states as its derivatives say (kernels/motion/between_nodes.py), until what is there is resolved;
     and beside tops between three states.
     """
     ratio, path = ratios_along(run, limits, probe.state, probe.right)
@@ -118,13 +118,13 @@ def unexplained(
 
     `swift` (n,) is ds/dt there; `look` takes places, and returns the path and ds/dt at them.
     """
-    from toolpace.kernels.motion import narrow_features
+    from toolpace.kernels.motion import between_nodes
 
     bounds, least = (limits.velocity, limits.acceleration, limits.jerk), least_changes(limits)
     length = high - low
-    missed = narrow_features.missing(of_low, of_high, low, length, swift, least)
-    asked = narrow_features.asked(missed, length, swift, *bounds)
-    go = narrow_features.odd_ones(missed, length) | (asked > UNTOLD_SHARE)
+    missed = between_nodes.increment_errors(of_low, of_high, low, length, swift, least)
+    asked = between_nodes.error_utilisation(missed, length, swift, *bounds)
+    go = between_nodes.outliers(missed, length) | (asked > UNTOLD_SHARE)
     shortest, count = SHORTEST * (run.s1 - run.s0), 0
     while go.any() and count < MOST_PLACES:
         low, high, swift, missed = low[go], high[go], swift[go], missed[go]
@@ -134,12 +134,13 @@ def unexplained(
         of_middle, fast = (np.empty_like(of_low), np.empty_like(low))
         of_middle[:, order], fast[order] = look(middle[order])
         count += len(middle)
-        left = narrow_features.missing(of_low, of_middle, low, middle - low, swift, least)
-        right = narrow_features.missing(of_middle, of_high, middle, high - middle, swift, least)
-        stays, is_right = narrow_features.worse_half(missed, left, right)
+        left = between_nodes.increment_errors(of_low, of_middle, low, middle - low, swift, least)
+        right = between_nodes.increment_errors(of_middle, of_high, middle, high - middle, swift, least)
+        stays, is_right = between_nodes.worse_half(missed, left, right)
         stays = np.concatenate([stays & ~is_right, stays & is_right])
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         of_low, of_high = np.concatenate([of_low, of_middle], axis=1), np.concatenate([of_middle, of_high], axis=1)
         swift = np.maximum(np.tile(swift, 2), np.tile(fast, 2))
         missed, length = np.concatenate([left, right]), high - low
-        go = (stays | (narrow_features.asked(missed, length, swift, *bounds) > UNTOLD_SHARE)) & (length > shortest)
+        asked = between_nodes.error_utilisation(missed, length, swift, *bounds)
+        go = (stays | (asked > UNTOLD_SHARE)) & (length > shortest)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
+from toolpace.common.value_objects import ByValue, one_line
 
 
 @dataclass(frozen=True, eq=False, repr=False)

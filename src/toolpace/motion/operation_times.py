@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.programs.toolpath import ToolPath
 
 

@@ -14,8 +14,8 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import QuinticAxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import QuinticAxisRun
 from toolpace.programs.toolpath import ToolPath
 
 SHORTEST = 1e-3

@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints, integers, numbers
-from toolpace.common.description import named, one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import free_memory, reason, whole_file
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import ByValue, named, one_line
 
 OPTIONAL = "tool_length"
 """The one column that a file may lack."""
@@ -99,7 +98,7 @@ class SetPoints(ByValue):
         step = self.tip[1:] - self.tip[:-1]
         if len(self.tool_length):
             step += np.diff(self.tool_length)[:, None] * self.axis[1:]
-        way: Floats = np.sqrt((step**2).sum(axis=1))
+        way: Floats = np.sqrt(np.einsum("ij,ij->i", step, step))
         return way
 
     def save(self, path: str | os.PathLike[str]) -> None:

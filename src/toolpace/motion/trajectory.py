@@ -11,22 +11,24 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints, number, numbers
-from toolpace.common.description import counted, named, one_line
 from toolpace.common.errors import UsageError
 from toolpace.common.units import SECONDS, ask_about_unit
+from toolpace.common.value_objects import counted, named, one_line
+from toolpace.common.workers import Workers
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
+from toolpace.motion.set_point_grid import grids, round_to
 from toolpace.motion.setpoints import SetPoints, refuse_too_many
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 BINDING = 0.995
 """Share of a limit from which it counts as binding."""
-CHUNK = 100_000
-"""Times that are worked out at once, to keep memory low."""
+CHUNK = 1 << 15
+"""Times that are worked out at once: what there is of them stays in the cache of a core."""
 LONGEST_STEP = 0.2
 """Between set-points [s] that is not asked about: more is a time in ms."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
@@ -180,10 +182,13 @@ class Trajectory:
             return self._motion(t)
         m = len(self.joints)
         motion, block = Motion(*(np.empty((len(t), m)) for _ in range(4))), np.empty(len(t), dtype=np.int64)
-        for i in range(0, len(t), CHUNK):
-            part = slice(i, i + CHUNK)
+
+        def fill(start: int) -> None:
+            part = slice(start, start + CHUNK)
             now, block[part] = self._motion(t[part])
             motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part] = now.q, now.qd, now.qdd, now.qddd
+
+        Workers().each(fill, range(0, len(t), CHUNK))
         return motion, block
 
     def _motion(self, t: Floats) -> tuple[Motion, Ints]:
@@ -216,19 +221,30 @@ class Trajectory:
         """Tip [m] and axis (n, 3) of the tool in the spindle at times t (n,), with the joints at q (n, m)."""
         return machine.forward(q, self.axis_path.tool_lengths[self.run_at(t)])
 
-    def sample(self, dt: float = 1e-3) -> SetPoints:
+    def sample(self, dt: float = 1e-3, *, on_grid: bool = False) -> SetPoints:
         """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest.
 
-        Raises UsageError where they would not fit into memory.
+        With `on_grid` they are rounded, positions by at most 2^-43 m or rad, so that they take little room on disk
+        (motion/set_point_grid.py). Raises UsageError where they would not fit into memory.
         """
         dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
         ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
         refuse_too_many(self.duration, dt, len(self.joints))
         t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
         motion, block = self._motion_in_pieces(t)
-        machine = self.axis_path.machine
-        tip, axis = self._tool(machine, t, motion.q) if machine else (np.empty((0, 3)), np.empty((0, 3)))
-        lengths = self.axis_path.tool_lengths
+        machine, lengths = self.axis_path.machine, self.axis_path.tool_lengths
+        tip, axis = (np.empty((len(t) if machine else 0, 3)) for _ in range(2))
+        grid = grids(self.limits, dt) if on_grid else None
+
+        def finish(start: int) -> None:
+            part = slice(start, start + CHUNK)
+            if grid is not None:
+                for column, values in zip(grid, (motion.q, motion.qd, motion.qdd, motion.qddd)):
+                    round_to(column, values[part])
+            if machine:
+                tip[part], axis[part] = self._tool(machine, t[part], motion.q[part])
+
+        Workers().each(finish, range(0, len(t), CHUNK))
         tools = np.zeros(0) if np.isnan(lengths).all() else lengths[self.run_at(t)]
         return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints, tools)
 
@@ -269,30 +285,32 @@ class Trajectory:
         return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
 
     @classmethod
-    def load(cls, folder: str | os.PathLike[str]) -> Trajectory:
+    def load(cls, folder: str | os.PathLike[str], *, exact: bool = False) -> Trajectory:
         """The motion in a folder that `toolpace plan --out` wrote, from its set-points, machine and program.
 
-        It passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
+        With `exact` it is the plan itself, to the bit, from path and speed laws in trajectory.compact. Without, it
+        passes through all set-points; between two it is the polynomial with position, velocity and acceleration of
         both, some nanometres from the plan at steps of 1 ms; where the plan's jerk jumps between two set-points, the
         polynomial's exceeds it, and `notes` says so. `usage` and bounds are those that plan.json tells. Raises
         UsageError where a file is missing, was changed, or is of another plan.
         """
-        from toolpace.motion.laws.clock import ClockLaw
+        from toolpace.motion.laws import ClockLaw
         from toolpace.motion.plan_folder import read_plan_folder
 
-        found = read_plan_folder(folder)
+        found = read_plan_folder(folder, exact)
         machine = found.path.machine
         assert machine is not None
+        by_clock = tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs)
         return cls(
             found.path,
             machine.limits,
-            tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs),
+            found.laws or by_clock,
             found.planner,
             found.lower_bound,
             found.continuous_bound,
             mesh_points=found.mesh_points,
             solve_seconds=found.solve_seconds,
-            notes=(INTERPOLATED,),
+            notes=() if exact else (INTERPOLATED,),
             found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
         )
 

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
-from toolpace.common.equality import ByValue
+from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import TimeLaw
+from toolpace.path.axis_run import AxisRun
 
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""

@@ -11,14 +11,13 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints, number, numbers
 from toolpace.common.errors import PathError, UsageError
 from toolpace.common.workers import Lock
-from toolpace.path.derivatives import check_derivatives
+from toolpace.machine.kinematics import UNIT
+from toolpace.path.callable_run import check_derivatives
 from toolpace.path.run import PathJet, PathRun, unit_jets
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-UNIT = 1e-6
-"""By how much the length of a tool axis may differ from 1."""
 Curve = Callable[[Floats, int], tuple[Floats, Floats]]
 """(s (n,), order 0 to 3) to the derivative of tip (n, 3) [m] and of the unit tool axis (n, 3)."""
 

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import counted, one_line
 from toolpace.common.units import FASTEST_FEED, METRES_PER_SECOND, RADIANS, ask_about_unit, refuse_other_unit
+from toolpace.common.value_objects import counted, one_line
 from toolpace.machine.machine import Machine
 from toolpace.path.run import PathRun
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints, frozen, gate_methods
-from toolpace.common.description import counted, one_line
-from toolpace.path.control_points import second_derivative_bounds
+from toolpace.common.value_objects import counted, one_line
 
 
 def no_entries() -> Ints:
@@ -45,8 +45,8 @@ class PathJet(NamedTuple):
         return id(self)
 
     def __repr__(self) -> str:
-        given = "rotary joints" if self.axis is None else "tool axes"
-        return one_line(self, counted(self.tip.shape[1], "place"), f"tip and {given}")
+        form = "rotary joints" if self.axis is None else "tool axes"
+        return one_line(self, counted(self.tip.shape[1], "place"), f"tip and {form}")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -179,3 +179,19 @@ def unit_jets(v: Floats) -> Floats:
     u[2] = (v[2] - 2.0 * r[1][:, None] * u[1] - r[2][:, None] * u[0]) / r[0][:, None]
     u[3] = (v[3] - 3.0 * r[1][:, None] * u[2] - 3.0 * r[2][:, None] * u[1] - r[3][:, None] * u[0]) / r[0][:, None]
     return u
+
+
+def second_derivative_bounds(powers: Floats, width: Floats) -> Floats:
+    """(n,) most |P''| on each of n pieces (n, degree + 1, 3), in powers of u from 0 to `width` (n,).
+
+    The largest control point of P'' in Bernstein form.
+    """
+    degree = powers.shape[1] - 1
+    if degree < 2:
+        return np.zeros(len(powers))
+    second = [k * (k - 1) * powers[:, k] * width[:, None] ** (k - 2) for k in range(2, degree + 1)]
+    most = np.zeros(len(powers))
+    for j in range(degree - 1):
+        control = sum(comb(j, k) / comb(degree - 2, k) * second[k] for k in range(j + 1))
+        most = np.maximum(most, np.linalg.norm(control, axis=1))
+    return most

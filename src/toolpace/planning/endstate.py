@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError, UsageError
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import limit_ratios
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.limit_tolerances import PROMISED
 
 

@@ -1,6 +1,8 @@
-"""A path at the probes of mesh cells, from as few evaluations as determine it."""
+"""A path at the nodes and probes of mesh cells, from as few evaluations as determine it, each made once."""
 
 from __future__ import annotations
+
+import threading
 
 import numpy as np
 
@@ -8,8 +10,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.path_cache import CachedPath
+from toolpace.path.axis_run import AxisRun
 
 UNLIKE = 1e-6
 """Share of a limit up to which the path may differ from what its derivatives at the nodes tell of it."""
@@ -40,22 +41,24 @@ class PathAtProbes:
         seen."""
         self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) those in which the path does."""
+        breaks = run.breaks[(run.breaks > nodes[0]) & (run.breaks < nodes[-1]) & ~np.isin(run.breaks, nodes)]
+        self._torn = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        self._torn[np.searchsorted(nodes, breaks) - 1] = True
 
     def told(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, in a row."""
-        nodes = self.nodes[which[0] : which[-1] + 2]
-        low, middle, high = self._ends_and_middles(nodes)
+        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending."""
+        begin, end = self.nodes[which], self.nodes[which + 1]
+        low, middle, high = self._ends_and_middles(which)
         z = self._highest_z(low, middle, high)
-        length = np.diff(nodes)
-        unlike = ~self._alike(nodes[:-1], length, low[0], middle[0], high[0], z)
-        torn = np.zeros(len(which), dtype=np.bool_)
-        torn[np.clip(np.searchsorted(nodes, self.run.breaks) - 1, 0, len(which) - 1)] = ~np.isin(self.run.breaks, nodes)
+        length = end - begin
+        unlike = ~self._alike(begin, length, low[0], middle[0], high[0], z)
+        torn = self._torn[which]
         out = path_between(low[0], high[0], length, inside)
         halved = np.flatnonzero(unlike & ~torn)
-        alike, of_halves = self._halves(nodes, halved, low[0], middle[0], high[0], z, inside)
+        alike, of_halves = self._halves(begin, length, halved, low[0], middle[0], high[0], z, inside)
         out[halved[alike]], unlike[halved[alike]] = of_halves[alike], False
         self.hiding[which] = unlike | torn
-        caps, vague = self._caps(nodes, low[1], middle[1], high[1], inside)
+        caps, vague = self._caps(begin, end, low[1], middle[1], high[1], inside)
         self.unlike[which] = asked = unlike | torn | vague
         if asked.any():
             out[asked], caps[asked] = self.asked(which[asked], inside)
@@ -68,21 +71,24 @@ class PathAtProbes:
         by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
         return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
 
-    def _ends_and_middles(self, nodes: Floats) -> list[tuple[Floats, Floats]]:
-        """Path (4, n, m) and cap (n,) where the cells between these nodes begin, in their middles, and where they end.
+    def _ends_and_middles(self, which: Ints) -> list[tuple[Floats, Floats]]:
+        """Path (4, n, m) and cap (n,) where the cells `which` (n,) begin, in their middles, and where they end.
 
         The path is from inside a cell at a break.
         """
-        count = len(nodes)
+        at = np.union1d(which, which + 1)
+        nodes, count, cells = self.nodes[at], len(at), len(which)
+        first, last = np.searchsorted(at, which), np.searchsorted(at, which + 1)
         broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
-        s = np.concatenate([nodes, nodes[:-1] + np.diff(nodes) / 2.0, np.nextafter(nodes[broken], -np.inf)])
+        middles = nodes[first] + (nodes[last] - nodes[first]) / 2.0
+        s = np.concatenate([nodes, middles, np.nextafter(nodes[broken], -np.inf)])
         q, cap = self.known.with_cap(np.clip(s, self.run.s0, self.run.s1))
         high, cap_high = q[:, :count].copy(), cap[:count].copy()
-        high[:, broken], cap_high[broken] = q[:, 2 * count - 1 :], cap[2 * count - 1 :]
+        high[:, broken], cap_high[broken] = q[:, count + cells :], cap[count + cells :]
         parts = (
-            (q[:, : count - 1], cap[: count - 1]),
-            (q[:, count : 2 * count - 1], cap[count : 2 * count - 1]),
-            (high[:, 1:], cap_high[1:]),
+            (q[:, first], cap[first]),
+            (q[:, count : count + cells], cap[count : count + cells]),
+            (high[:, last], cap_high[last]),
         )
         return [(np.ascontiguousarray(path), of_path) for path, of_path in parts]
 
@@ -100,17 +106,18 @@ class PathAtProbes:
         """(n,) whether the derivatives at both ends (4, n, m) tell the path in the middle, and what positions gain."""
         limits = self.limits
         of_joints = limits.velocity, limits.acceleration, limits.jerk
-        alike: Bools = between_nodes.unlike(s, low, high, middle, length, z, *of_joints) <= UNLIKE
+        alike: Bools = between_nodes.deviation_from_quintic(s, low, high, middle, length, z, *of_joints) <= UNLIKE
         return alike
 
     def _halves(
-        self, nodes: Floats, cells: Ints, low: Floats, middle: Floats, high: Floats, z: Floats, inside: Floats
-    ) -> tuple[Bools, Floats]:
+        self, begin: Floats, length: Floats, cells: Ints,
+        low: Floats, middle: Floats, high: Floats, z: Floats, inside: Floats,
+    ) -> tuple[Bools, Floats]:  # fmt: skip
         """Whether both halves of some cells (n,) tell the path in them, and the path (n, 3, m, k) that they tell."""
         if not len(cells):
             return np.zeros(0, dtype=np.bool_), np.empty((0, 3, low.shape[2], len(inside)))
         low, middle, high = (np.ascontiguousarray(part[:, cells]) for part in (low, middle, high))
-        begin, half, z = nodes[cells], (nodes[cells + 1] - nodes[cells]) / 2.0, z[cells]
+        begin, half, z = begin[cells], length[cells] / 2.0, z[cells]
         quarters, _ = self.known.with_cap((begin[:, None] + 2.0 * half[:, None] * QUARTERS).ravel())
         first, last = np.ascontiguousarray(quarters[:, ::2]), np.ascontiguousarray(quarters[:, 1::2])
         alike = self._alike(begin, half, low, first, middle, z)
@@ -120,12 +127,14 @@ class PathAtProbes:
         told = [path_between(one, other, half, share) for one, other, share in parts]
         return alike, np.concatenate(told, axis=3)
 
-    def _caps(self, nodes: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats) -> tuple[Floats, Bools]:
+    def _caps(
+        self, begin: Floats, end: Floats, low: Floats, middle: Floats, high: Floats, inside: Floats
+    ) -> tuple[Floats, Bools]:
         """Caps (n, k) from those at the ends and in the middle (n,) of cells and a few more, and where these do not
         tell them."""
 
         def at(shares: Floats) -> Floats:
-            places = probes(nodes[:-1], nodes[1:], shares)
+            places = probes(begin, end, shares)
             return self.run.speed_cap(np.clip(places, self.run.s0, self.run.s1)).reshape(-1, len(shares)).T
 
         quarters = at(QUARTERS)
@@ -168,3 +177,38 @@ def caps_between(caps: Floats, inside: Floats) -> tuple[Floats, Floats]:
     least = square.min(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return 1.0 / np.sqrt(np.maximum(told, 0.5 * least[:, None])), np.where(least > 0.0, bend / least, bend)
+
+
+class CachedPath:
+    """Path and cap of a run, asked once at each place and remembered: for runs that are solved in one piece."""
+
+    def __init__(self, run: AxisRun) -> None:
+        self._run, self._lock = run, threading.Lock()
+        self._place = np.empty(0)
+        """(n,) where it is known, ascending."""
+        self._path, self._cap = np.empty((4, 0, 0)), np.empty(0)
+        """(4, n, joints) and (n,) there."""
+
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
+        """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""
+        with self._lock:
+            known = np.append(self._place, np.nan)[np.searchsorted(self._place, s)] == s
+        if not known.all():
+            fresh = np.unique(s[~known])
+            self._learn(fresh, *self._run.with_cap(fresh))
+        with self._lock:
+            at = np.searchsorted(self._place, s)
+            return self._path.take(at, axis=1), self._cap.take(at)
+
+    def _learn(self, fresh: Floats, path: Floats, cap: Floats) -> None:
+        """Remember the path (4, n, joints) and the cap (n,) at places (n,), ascending; two threads may learn one."""
+        with self._lock:
+            if not len(self._place):
+                self._place, self._path, self._cap = fresh, np.ascontiguousarray(path), np.asarray(cap)
+                return
+            before = np.searchsorted(self._place, fresh)
+            new = np.append(self._place, np.nan)[before] != fresh
+            order = np.argsort(np.concatenate([self._place, fresh[new]]), kind="stable")
+            self._place = np.concatenate([self._place, fresh[new]])[order]
+            self._path = np.concatenate([self._path, path[:, new]], axis=1).take(order, axis=1)
+            self._cap = np.concatenate([self._cap, np.asarray(cap)[new]])[order]

@@ -6,18 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.workers import Workers
 from toolpace.kernels.motion import spline_peaks, usage
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.adaptive_sampling import IN_A_STRETCH, beside_tops, unexplained
-from toolpace.motion.laws.linear import LinearLaw
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import LinearLaw, SplineLaw
 from toolpace.motion.usage import ratios_along
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.path_at_probes import PathAtProbes
-from toolpace.planning.path_cache import CachedPath
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.path_at_probes import CachedPath, PathAtProbes
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
@@ -43,37 +41,59 @@ class Peaks:
 class LimitCheck:
     """Looks between the nodes of one mesh."""
 
-    def __init__(self, run: AxisRun, limits: Limits, nodes: Floats, known: CachedPath | None = None) -> None:
-        """Take the nodes (n,) of the mesh, and what is known of the path already."""
+    def __init__(
+        self,
+        run: AxisRun,
+        limits: Limits,
+        nodes: Floats,
+        known: CachedPath | None = None,
+        before: tuple[LimitCheck, Ints] | None = None,
+    ) -> None:
+        """Take the nodes (n,) of the mesh, and what is known of the path already; `before`: the check of a mesh whose
+        cells have been cut into so many parts (cells,) for this one: what was found in those that were not still holds.
+        """
         self.run, self.limits, self.nodes = run, limits, nodes
         self.path = PathAtProbes(run, limits, nodes, known)
         hints, breaks = (
             np.setdiff1d(each[(each > nodes[0]) & (each < nodes[-1])], nodes) for each in (run.hints, run.breaks)
         )
-        self.hints = np.union1d(places_about(np.union1d(hints, breaks), nodes), np.nextafter(breaks, -np.inf))
+        about = places_about(np.union1d(hints, breaks), nodes)
+        self.hints = np.union1d(np.union1d(hints, about), np.nextafter(breaks, -np.inf))
         """(k,) places between nodes where the path's derivatives may bend or its cap may jump, and between two such:
         probes of a cell may all miss a top there."""
-        self._at_hints: tuple[Floats, Floats] | None = None
-        """The path (4, k, m) there, and its cap (k,)."""
+        self._beside = np.isin(self.hints, np.setdiff1d(about, np.union1d(hints, breaks)))
+        """(k,) those between: of no use where ends and middle of the cell tell its path."""
+        self._of_hint = np.searchsorted(nodes, self.hints) - 1
+        """(k,) their cells."""
         self._kept: dict[int, tuple[Floats, Floats]] = {}
         """By the first cell of a chunk: three derivatives (n, 3, m, k) of the path, and caps (n, k) on ds/dt."""
         self._last: tuple[Floats, Peaks] | None = None
-        """The cells of the law that was looked at last, and its peaks at the probes."""
+        """The cells of the law that was looked at last, and its peaks at the probes and hints."""
+        if before is not None and before[0]._last is not None:
+            self._take_over(before[0], *before[0]._last, before[1])
+
+    def _take_over(self, check: LimitCheck, cells: Floats, peaks: Peaks, parts: Ints) -> None:
+        """Take what was found in cells that are still whole, from the check of a mesh before they were cut."""
+        whole = parts == 1
+        self.path.unlike = np.repeat(check.path.unlike & whole, parts)
+        self.path.hiding = np.repeat(check.path.hiding & whole, parts)
+        found = Peaks(np.repeat(peaks.used, parts, axis=0), np.repeat(peaks.place, parts, axis=0))
+        self._last = np.repeat(np.where(whole[:, None], cells, np.nan), parts, axis=0), found
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
         """The peaks in all cells; only those in which z is not as it was in the law before are looked at."""
-        last, cells, workers = len(self.nodes) - 1, law.cells.copy(), workers or Workers()
+        last, cells, workers = len(self.nodes) - 1, law.cells, workers or Workers()
         changed = np.ones(last, dtype=np.bool_) if self._last is None else (cells != self._last[0]).any(axis=1)
 
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
-            path = self._kept.get(first) or self.path.told(which, law.inside)
-            if last <= KEPT_CELLS:
-                self._kept[first] = path
             mine = changed[which]
-            return (
-                self._of(which, law, *path) if mine.all() else self._of(which[mine], law, path[0][mine], path[1][mine])
-            )
+            if first in self._kept:
+                return self._of(which[mine], law, *(each[mine] for each in self._kept[first]))
+            path = self.path.told(which[mine], law.inside)
+            if last <= KEPT_CELLS and mine.all():
+                self._kept[first] = path
+            return self._of(which[mine], law, *path)
 
         chunks = [first for first in range(0, last, CHUNK) if changed[first : first + CHUNK].any()]
         peaks = joined(workers.each(of_chunk, chunks))
@@ -81,30 +101,33 @@ class LimitCheck:
             used, place = self._last[1].used.copy(), self._last[1].place.copy()
             used[changed], place[changed] = peaks.used, peaks.place
             peaks = Peaks(used, place)
-        if last <= KEPT_CELLS:
-            self._last = cells, peaks
-        return self._with_hints(law, peaks)
+        peaks = self._with_hints(law, peaks, changed)
+        self._last = cells, peaks
+        return peaks
 
-    def _with_hints(self, law: SplineLaw, peaks: Peaks) -> Peaks:
-        """The peaks, or what is used at hints where that is more."""
-        if not len(self.hints):
-            return peaks
+    def _with_hints(self, law: SplineLaw, peaks: Peaks, changed: Bools) -> Peaks:
+        """The peaks, or what is used at hints in the `changed` cells where that is more."""
+        places = self.hints[changed[self._of_hint] & (self.path.unlike[self._of_hint] | ~self._beside)]
         limits = self.limits
-        if self._at_hints is None:
-            q, cap = self.run.with_cap(self.hints)
-            self._at_hints = np.ascontiguousarray(q), cap
-        of_joints = limits.velocity, limits.acceleration, limits.jerk
-        ratio = usage.ratios(self._at_hints[0], law.states_at(self.hints), self._at_hints[1], *of_joints)
-        return self._with(peaks, self.hints, by_kind(ratio, len(limits)))
+        for first in range(0, len(places), CHUNK):
+            s = places[first : first + CHUNK]
+            q, cap = self.path.known.with_cap(s)
+            of_joints = limits.velocity, limits.acceleration, limits.jerk
+            ratio = usage.ratios(np.ascontiguousarray(q), law.states_at(s), cap, *of_joints)
+            peaks = self._with(peaks, s, by_kind(ratio, len(limits)))
+        return peaks
 
     def _with(self, peaks: Peaks, s: Floats, of_kinds: Floats) -> Peaks:
         """The peaks, or what is used (k, 3) at the places s (k,) where that is more."""
         used, place = peaks.used.copy(), peaks.place.copy()
         cell = np.clip(np.searchsorted(self.nodes, s) - 1, 0, len(self.nodes) - 2)
         share = (s - self.nodes[cell]) / np.diff(self.nodes)[cell]
-        for k in np.flatnonzero((of_kinds > used[cell]).any(axis=1)):
-            higher = of_kinds[k] > used[cell[k]]
-            used[cell[k], higher], place[cell[k], higher] = of_kinds[k, higher], share[k]
+        for kind in range(3):
+            order = np.lexsort((of_kinds[:, kind], cell))
+            # of each cell the place where most is used
+            top = order[np.append(cell[order][1:] != cell[order][:-1], True)[: len(order)]]
+            top = top[of_kinds[top, kind] > used[cell[top], kind]]
+            used[cell[top], kind], place[cell[top], kind] = of_kinds[top, kind], share[top]
         return Peaks(used, place)
 
     def peaks_in(self, law: SplineLaw, cells: Ints, workers: Workers | None = None) -> Peaks:

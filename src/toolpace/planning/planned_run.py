@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from toolpace.motion.laws.law import TimeLaw
+from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import OpenPlace
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 
 WORTH_NAMING = 0.01
 """Least share of what is open in all runs together from which a place is named: a hundred of them would be no help."""

@@ -1,4 +1,4 @@
-"""The entry of all planners, and their interface.
+"""A trajectory from a path, limits and a planner: the entry of all planners, their interface, checks of arguments.
 
 plan: a path, a machine, a planner
   joints along the path: the path followed by the machine, where it is one of tip and axis
@@ -10,28 +10,35 @@ plan: a path, a machine, a planner
 from __future__ import annotations
 
 import importlib
+import math
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from toolpace.common.errors import UsageError, did_you_mean
+import numpy as np
+
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UnitWarning, UsageError, did_you_mean
 from toolpace.common.workers import Progress, Workers, side_by_side
-from toolpace.machine.limits import Limits
+from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.planned_run import PlannedRun, total_bound
-from toolpace.planning.plausibility import ask_about_degrees, check_count, check_held
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
-    from toolpace.planning.genetic.planner import Genetic
+    from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
-    from toolpace.planning.second_order.planner import SecondOrder
+    from toolpace.planning.second_order import SecondOrder
+
+LOOKED_AT = 65
+"""Places of a run."""
 
 
 @runtime_checkable
@@ -57,8 +64,12 @@ class Planner(Protocol):
         ...
 
 
-HOMES = {"optimal": "Optimal", "genetic": "Genetic", "second-order": "SecondOrder"}
-"""Short names of the planners, and their classes in the rooms of the same name."""
+HOMES = {
+    "optimal": ("optimal.planner", "Optimal"),
+    "genetic": ("genetic", "Genetic"),
+    "second-order": ("second_order", "SecondOrder"),
+}
+"""Short names of the planners, and the module and class of each."""
 PLANNERS = tuple(HOMES)
 
 
@@ -134,8 +145,8 @@ def planner_of(planner: str | Planner, options: dict[str, object], asks: str = "
         raise UsageError(f"{asks}: {planner!r} is no planner; give one of {names}, or an object like Optimal()")
     if planner not in HOMES:
         raise UsageError(f"{asks}: unknown planner '{planner}'; {did_you_mean(planner, PLANNERS)}")
-    room = importlib.import_module(f"toolpace.planning.{planner.replace('-', '_')}.planner")
-    kind = getattr(room, HOMES[planner])
+    module, name_of_class = HOMES[planner]
+    kind = getattr(importlib.import_module(f"toolpace.planning.{module}"), name_of_class)
     known = [field.name for field in fields(kind)]
     for name in options:
         if name not in known:
@@ -157,3 +168,73 @@ def joints_along(path: Path | AxisPath, machine: Machine | Limits) -> AxisPath:
     if isinstance(machine, Limits):
         raise UsageError("plan: a path of tool tip and axis needs a machine; bare limits go with an AxisPath")
     return AxisPath.follow(path, machine)
+
+
+def check_count(limits: Limits, path: AxisPath) -> None:
+    """Raise UsageError where there are not as many limits as joints, or where they have the names in another order."""
+    count = len(path.joints)
+    if len(limits) == count:
+        if limits.joints != path.joints and set(limits.joints) == set(path.joints):
+            raise UsageError(
+                f"plan: limits are of the joints {', '.join(limits.joints)}, the path's are {', '.join(path.joints)}; "
+                "give limits in the order of path.joints"
+            )
+        return
+    cure = f"give {count} figures of each kind"
+    if len(limits) == 1:
+        v, a, j = (f"{getattr(limits, kind)[0]:g}" for kind in KINDS)
+        cure = f"for the same of all of them give Limits({v}, {a}, {j}, path.joints)"
+    raise UsageError(
+        f"plan: limits for {len(limits)} joint{'' if len(limits) == 1 else 's'}, path of {count} joints; {cure}"
+    )
+
+
+def check_held(limits: Limits, path: AxisPath) -> None:
+    """Raise UsageError where no joint moves along a run, and where nothing at all holds the motion: in no time."""
+    free = np.all([np.isinf(getattr(limits, kind)) for kind in KINDS], axis=0)
+    for k, run in enumerate(path.runs):
+        # runs of programs move: what does not was left out by the fit
+        if run.blocks and len(path.runs) > 1 and not free.any():
+            continue
+        joints, cap = run.with_cap(places_along(run))
+        moving = joints[1:].any(axis=(0, 1))
+        if not moving.any():
+            raise UsageError(
+                f"plan: no joint moves along run {k}, from s = {run.s0:g} to s = {run.s1:g}; leave it out, or give "
+                "positions that differ: a wait is a dwell of a program"
+            )
+        if not (moving & ~free).any() and not np.isfinite(cap).any():
+            names = ", ".join(name for name, each in zip(path.joints, free) if each)
+            raise UsageError(
+                f"plan: run {k} moves only joints without any limit ({names}), and no feed or speed_cap holds it: it "
+                "would take no time; give these joints finite limits"
+            )
+
+
+def ask_about_degrees(path: AxisPath, machine: Machine) -> None:
+    """Warn where rotary joints leave their travel, and would keep it if their positions were degrees."""
+    if path.machine is not None:
+        return
+    lowest, highest = np.full(len(path.joints), np.inf), np.full(len(path.joints), -np.inf)
+    for run in path.runs:
+        q = run.evaluate(places_along(run))[0]
+        lowest, highest = np.minimum(lowest, q.min(axis=0)), np.maximum(highest, q.max(axis=0))
+    for joint in np.flatnonzero(machine.is_rotary):
+        low, high = machine.travel[joint]
+        outside = lowest[joint] < low or highest[joint] > high
+        if outside and math.radians(lowest[joint]) >= low and math.radians(highest[joint]) <= high:
+            far = max(lowest[joint], highest[joint], key=abs)
+            warnings.warn(
+                f"plan: joint {machine.joints[joint]} of {machine.name} goes to {far:g} rad ({math.degrees(far):.0f} "
+                f"deg), beyond its travel of {math.degrees(low):g} to {math.degrees(high):g} deg; is it {far:g} deg? "
+                "Then give radians: np.radians(q)",
+                UnitWarning,
+                stacklevel=3,
+            )
+
+
+def places_along(run: AxisRun) -> Floats:
+    """Parameters along a run, with its breaks and hints."""
+    even = np.linspace(run.s0, run.s1, LOOKED_AT)
+    found: Floats = np.unique(np.concatenate([even, run.breaks, run.hints]))
+    return found

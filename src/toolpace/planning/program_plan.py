@@ -8,8 +8,8 @@ for some tolerances of the tool axis, up to the one asked for: a path within a n
         not faster by a thousandth?  enough; and none at all where feeds and dwells take nearly all the time
     of a short program one such round within the narrowest and the widest, and then path and pace changed together,
         once within the widest, and within the next narrower one while that is no slower               (normal)
-the fastest of these paths, planned in full
-while another one was hoped to take less than that came to, it too: the best is taken
+of each run the fastest of these paths, planned in full; where that takes unusually longer than was hoped, and than is
+hoped of another one, that one too: the best of each run is taken
 before all that, path and pace of the fastest of many rounds changed together while that gains;       (high)
 where its plan takes less than was hoped of all others, those of normal too, none of them is planned
 """
@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toolpace.common.description import counted, one_line
-from toolpace.common.errors import InfeasibleError, ReachError, ToolpaceError, UsageError, did_you_mean
+from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
+from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.path_and_pace.alternating import (
@@ -39,9 +39,9 @@ from toolpace.planning.path_and_pace.alternating import (
     Measure,
     Round,
 )
-from toolpace.planning.path_and_pace.candidate_evaluation import FULL, FullEvaluation
+from toolpace.planning.path_and_pace.candidate_evaluation import FULL, Alternative, BestOfRuns
 from toolpace.planning.planner import Planner, plan, planner_of
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
 if TYPE_CHECKING:
@@ -266,33 +266,57 @@ def plan_fitted(
     if changed is not None and changed.trajectory.duration <= fitted.candidates[0].hoped:
         told(1.0)
         return changed
-    planning = told.part(CHANGED, 1.0) if fitted.together is not None else told
+    try:
+        found = planned_by_run(fitted, machine, chosen, check, told.part(CHANGED, 1.0) if fitted.together else told)
+    except (InfeasibleError, ReachError):
+        if changed is None:
+            raise
+        return changed
+    return found if changed is None or found.trajectory.duration < changed.trajectory.duration else changed
 
-    def whole(candidate: Candidate) -> ProgramPlan:
-        axis_path = candidate.joints or AxisPath.follow(candidate.path, machine)
-        check(axis_path)
-        # what is known was planned with the usual options
-        rest = FullEvaluation(candidate.whole) if candidate.whole and chosen == FULL else chosen
-        trajectory = plan(axis_path, machine, planner=rest, progress=planning)
-        return ProgramPlan(candidate.path, trajectory, fitted.effort, fitted.rounds)
 
-    best = changed
-    problem: ToolpaceError | None = None
-    for candidate in fitted.candidates:
-        if best is not None and best.trajectory.duration <= candidate.hoped:
-            continue
-        try:
-            found = whole(candidate)
-        except (InfeasibleError, ReachError) as error:
-            if problem is None or candidate.path is fitted.first:
-                problem = error
-            continue
-        if best is None or found.trajectory.duration < best.trajectory.duration:
-            best = found
-    if best is None:
-        assert problem is not None
-        raise problem
-    return best
+def planned_by_run(
+    fitted: FittedProgram, machine: Machine, planner: Planner, check: Callable[[AxisPath], None], progress: Progress
+) -> ProgramPlan:
+    """The whole plan of the path that takes of each run the best of all candidates. Raises as `check` and `plan`."""
+    candidates = fitted.candidates
+    joints = [each.joints or AxisPath.follow(each.path, machine) for each in candidates]
+    first = next((k for k, each in enumerate(candidates) if each.path is fitted.first), 0)
+    base = joints[first]
+    if len(candidates) == 1:
+        check(base)
+
+    def alternatives(run: int) -> list[Alternative]:
+        return [
+            Alternative(
+                each.run_times[run] if each.run_times else 0.0,
+                along.runs[run],
+                number,
+                each.whole.get(along.runs[run]) if each.whole and planner == FULL else None,
+            )
+            for number, (each, along) in enumerate(zip(candidates, joints))
+        ]
+
+    best = BestOfRuns(
+        planner,
+        {run: alternatives(k) for k, run in enumerate(base.runs)},
+        lambda run: check(replace(base, runs=(run,))) if len(candidates) > 1 else None,
+    )
+    trajectory = plan(base, machine, planner=best, progress=progress)
+    taken = [best.taken[run] for run in base.runs]
+    path = path_of_runs([candidates[each.candidate].path for each in taken])
+    trajectory = replace(trajectory, axis_path=replace(base, runs=tuple(each.run for each in taken)))
+    return ProgramPlan(path, trajectory, fitted.effort, fitted.rounds)
+
+
+def path_of_runs(paths: Sequence[Path]) -> Path:
+    """The path of which each run is that of another one: all of them go through the points at which they stop."""
+    if all(path is paths[0] for path in paths):
+        return paths[0]
+    runs = tuple(path.runs[k] for k, path in enumerate(paths))
+    off = [run.deviations() or (0.0, path.tip_deviation, path.axis_deviation) for run, path in zip(runs, paths)]
+    tip, axis = (max(float(np.max(each[kind])) for each in off) for kind in (1, 2))
+    return replace(paths[0], runs=runs, tip_deviation=tip, axis_deviation=axis)
 
 
 def changed_plan(

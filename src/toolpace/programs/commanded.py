@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.common.description import counted, one_line
-from toolpace.common.equality import ByValue
+from toolpace.common.value_objects import ByValue, counted, one_line
 from toolpace.programs.toolpath import Operation
 
 BLENDED, EXACT_PATH, EXACT_STOP = 0, 1, 2

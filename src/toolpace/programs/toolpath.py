@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints, integers, marks, numbers
-from toolpace.common.description import counted, one_line
-from toolpace.common.equality import ByValue
 from toolpace.common.errors import UsageError
 from toolpace.common.units import (
     FARTHEST_PART,
@@ -20,6 +18,7 @@ from toolpace.common.units import (
     ask_about_unit,
     refuse_other_unit,
 )
+from toolpace.common.value_objects import ByValue, counted, one_line
 
 UNIT = 1e-6
 """By how much the length of a tool axis may differ from 1."""

@@ -15,12 +15,12 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.files.set_point_files import read_set_points, set_points_file
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.charts import tip_speed
 from toolpace.results.report.shell import whole_page
 from toolpace.results.report.words import LEAST_SHARE, OPERATIONS, at_most, joint_colour, limit_words
-from toolpace.results.write import SET_POINTS, PlanRecord, read_plan
+from toolpace.results.write import PlanRecord, read_plan
 
 FEWEST, MOST = 2, 8
 """Plans that are compared: more are a batch."""
@@ -113,9 +113,9 @@ class MotionAlong:
 
 def along(folder: Path) -> MotionAlong | None:
     """The motion of a plan; None where it was written without set-points, or has no tool. Raises UsageError."""
-    if not (folder / SET_POINTS).exists():
+    if not set_points_file(folder):
         return None
-    setpoints = SetPoints.load(folder / SET_POINTS)
+    setpoints = read_set_points(folder)
     if not setpoints.has_tool or len(setpoints) < 2:
         return None
     return MotionAlong(np.concatenate(([0.0], np.cumsum(setpoints.tip_steps))), tip_speed(setpoints), setpoints.t)

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from toolpace.common.files.tables import TableFile
-from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits
+from toolpace.common.files.toml import TableFile
+from toolpace.programs.reading.setup_file import ANGLES, LENGTHS, TablesInUnits
 from toolpace.setup_search.choices import Choice, Choices, Zone, is_angle
 
 FILE = TableFile("file of choices", longest=100_000)

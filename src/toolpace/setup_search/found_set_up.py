@@ -11,9 +11,9 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.cluster import Pool
-from toolpace.common.description import one_line
 from toolpace.common.errors import ReachError
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import one_line
 from toolpace.common.workers import Progress
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
@@ -69,8 +69,7 @@ def given_as_written(task: Task, toolpath: ToolPath) -> PlannedSetUp:
 
 def planned(task: Task, toolpath: ToolPath, clamping: Clamping) -> PlannedSetUp:
     """See `confirmed`."""
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import AxisPath, check_travel
     from toolpace.path.path import Path
     from toolpace.planning.planner import plan
 

@@ -71,8 +71,7 @@ def tried(task: Task, clamping: Clamping) -> Trial:
 
 def tried_there(task: Task, clamping: Clamping) -> Trial:
     """Try a clamping where it is."""
-    from toolpace.path.axispath.axispath import AxisPath
-    from toolpace.path.axispath.travel import check_travel
+    from toolpace.path.axis_path import AxisPath, check_travel
     from toolpace.path.path import Path
     from toolpace.planning.planner import plan
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.deflection.replanning.detour import DetourRun
-from toolpace.deflection.replanning.feed import tip_velocity
-from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.deflection.detour import DetourRun
+from toolpace.deflection.feed import tip_velocity
+from toolpace.motion.laws import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.study.drawings import (
     GIVEN,

@@ -23,14 +23,12 @@ from toolpace.kernels.planners import genetic
 from toolpace.kernels.planners.quintic_interval import Interval, comfortable, interval_of
 from toolpace.machine.limits import KINDS
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.quintic import QuinticLaw
+from toolpace.motion.laws import QuinticLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_path
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_path
 from toolpace.path.path import Path
-from toolpace.planning.genetic.planner import Genetic, breeding_of, with_bred_periods
-from toolpace.planning.genetic.preset_speeds import Preset
-from toolpace.planning.genetic.problem import Intervals
+from toolpace.planning.genetic import Genetic, Intervals, Preset, breeding_of, with_bred_periods
 
 SAMPLES = 257
 """Times of the first interval at which the limits are looked at."""

@@ -7,18 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from toolpace import deflection
 from toolpace.common.arrays import Floats
-from toolpace.deflection import replanning
-from toolpace.deflection.replanning.detour import DetourRun
+from toolpace.deflection.detour import DetourRun
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.quintic import quintic_through
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
 from toolpace.planning.endstate import AT_REST
-from toolpace.planning.genetic.planner import Genetic, with_bred_periods
-from toolpace.planning.genetic.preset_speeds import preset
-from toolpace.planning.genetic.problem import Intervals, reference_points
+from toolpace.planning.genetic import Genetic, Intervals, preset, reference_points, with_bred_periods
 from toolpace.planning.planner import plan
 from toolpace.study.literal import LiteralWay, literal_way
 
@@ -55,9 +53,9 @@ class Study:
     genetic: dict[int, Trajectory]
     """Without deflection, by number of generations."""
     optimal: Trajectory
-    interval: replanning.Projection
+    interval: deflection.Projection
     """Projection on the 20th interval: the paper's."""
-    whole: replanning.Projection
+    whole: deflection.Projection
     """Projection on the whole path."""
     instant: dict[str, float]
     """When each planner's tool passes the beginning of the 20th interval, where it is found deflected [s]."""
@@ -204,18 +202,18 @@ def simulate(progress: Callable[[float], None]) -> Study:
     progress(0.8)
     points = path.runs[0].breaks
     where = (float(points[DEFLECTED_INTERVAL - 1]), float(points[DEFLECTED_INTERVAL]))
-    interval = replanning.project(path, DEFLECTION, interval=where)
-    whole = replanning.project(path, DEFLECTION)
+    interval = deflection.project(path, DEFLECTION, interval=where)
+    whole = deflection.project(path, DEFLECTION)
     first = genetic[GENERATIONS[0]]
     instant = {
         "genetic": first.laws[0].passing_time(where[0]),
         "optimal": optimal.laws[0].passing_time(where[0]),
     }
     back = {
-        "genetic": replanning.replan(
+        "genetic": deflection.replan(
             first, instant["genetic"], DEFLECTION, machine, planner=OPTIONS, rejoin="projection", interval=where
         ),
-        "optimal": replanning.replan(optimal, instant["optimal"], DEFLECTION, machine),
+        "optimal": deflection.replan(optimal, instant["optimal"], DEFLECTION, machine),
     }
     literal = {
         name: literal_way(

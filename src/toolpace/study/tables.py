@@ -9,7 +9,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import quintic
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.study.simulation import CLOSED_FORM, DEFLECTION, FEED, OPTIONS, PRINTED_PROJECTION, SEEDS, Study, periods
 
 WAYS = {

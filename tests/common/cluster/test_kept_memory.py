@@ -11,7 +11,7 @@ import pytest
 WORK = """
 import resource, sys
 import numpy as np
-from toolpace.common.cluster.remote import keep_memory
+from toolpace.common.cluster.pool import keep_memory
 if sys.argv[1] == "kept":
     assert keep_memory()
 def faults():

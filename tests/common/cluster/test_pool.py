@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from tests.support import works
-from toolpace.common.cluster import open_pool, opening, scheduler_notes
+from toolpace.common import cluster
+from toolpace.common.cluster import dask_pool, open_pool
 from toolpace.common.cluster.pool import ThisProcess
 from toolpace.common.errors import ClusterError, UsageError
 
@@ -83,7 +84,7 @@ def test_what_all_have_in_common_outlives_the_workers_that_had_it(two, tmp_path)
 
 def test_the_scheduler_keeps_no_note_of_tasks_that_are_done(two, monkeypatch):
     """Else it grows with every task, for as long as it runs: see `benchmarks.cluster --only small`."""
-    monkeypatch.setattr(scheduler_notes, "OFTEN", 20)
+    monkeypatch.setattr(dask_pool, "OFTEN", 20)
     assert len(list(two.each(works.added, 0, range(100)))) == 100
     names, kinds = two._client.run_on_scheduler(works.scheduler_notes)
     assert 0 < names <= 40 and 0 < kinds <= 40
@@ -114,7 +115,7 @@ def test_memory_that_is_none(memory):
 
 
 def test_without_dask(monkeypatch):
-    monkeypatch.setattr(opening, "installed", lambda: False)
+    monkeypatch.setattr(cluster, "installed", lambda: False)
     with open_pool() as pool:
         assert pool.where.startswith("this process") and "pip install 'toolpace[cluster]'" in pool.note
     for where in (2, "tcp://127.0.0.1:9"):

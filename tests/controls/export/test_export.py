@@ -174,9 +174,9 @@ def test_a_plan_without_set_points_says_what_it_cannot_do(tmp_path, capsys):
     assert json.loads((out / "plan.json").read_text())["verified"] is True
     for command in (["verify", str(out)], ["export", str(out), "--to", "table", "--out", str(tmp_path / "x")]):
         assert main(command) == 2
-        assert "setpoints.npz was not written (--npz none)" in capsys.readouterr().err
+        assert "setpoints.npz was not written (--npz no)" in capsys.readouterr().err
     assert main(["plan", str(program), *arguments, "--npz", "some"]) == 2
-    assert "--npz some: give all or none" in capsys.readouterr().err
+    assert "--npz some: give auto, full, compact or no" in capsys.readouterr().err
 
 
 def test_an_export_never_replaces_a_plan(motion, tmp_path):

@@ -13,7 +13,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.common.arrays import Floats
-from toolpace.deflection.following.law_file import read_law, write_law
+from toolpace.deflection.following.law import read_law, write_law
 from toolpace.kernels.follow import layout
 
 PAGE = Path(__file__).parents[3] / "docs" / "design" / "follower.md"
@@ -111,7 +111,7 @@ def test_no_control_point_of_a_law_is_infinite(follower: tp.Follower, tmp_path: 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_example_in_c_goes_where_python_goes(follower: tp.Follower, tmp_path: Path):
-    from toolpace.kernels.follow.c_interface import step_for_c
+    from toolpace.kernels.follow.step import step_for_c
 
     follower.save(tmp_path / "arc.law")
     piece: Floats = np.fromfile(tmp_path / "arc.law", dtype="<f8")

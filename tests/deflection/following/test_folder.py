@@ -77,8 +77,7 @@ def test_a_follower_of_a_folder_keeps_the_limits_and_the_plan(written, period: f
 
 
 def test_its_feed_is_that_of_the_program(written):
-    from toolpace.deflection.following.followed_joints import followed_joints_of
-    from toolpace.deflection.following.samples import samples_of
+    from toolpace.deflection.following.samples import followed_joints_of, samples_of
 
     case, _, machine, folder = written
     loaded = tp.Trajectory.load(folder)

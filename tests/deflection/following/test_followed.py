@@ -13,8 +13,7 @@ from testbed.followed.drive import driven
 from testbed.followed.judge import judged
 from tests.support.tool_paths import toolpath_through
 from toolpace.deflection.following import Follower, Measurement
-from toolpace.deflection.following.followed_joints import followed_joints_of
-from toolpace.deflection.following.samples import samples_of
+from toolpace.deflection.following.samples import followed_joints_of, samples_of
 from toolpace.kernels.follow import layout
 
 QUICK = ("arc on paper-ab", "fan")

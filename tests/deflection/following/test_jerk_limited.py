@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from toolpace.common.arrays import Floats
-from toolpace.kernels.follow.jerk_limited import approach
+from toolpace.kernels.follow.correction import approach
 
 PERIOD, MOST = 1e-3, 3e-4
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.deflection.following.followed_joints import followed_joints_of
-from toolpace.deflection.following.samples import samples_of
+from toolpace.deflection.following.samples import followed_joints_of, samples_of
 
 FEED = 0.01
 KNOTS = np.r_[np.zeros(4), 0.5, np.ones(4)]

@@ -9,8 +9,7 @@ import toolpace as tp
 from testbed.followed.two_tools import followed, planned
 from toolpace.common.errors import UsageError
 from toolpace.deflection.following import Follower, Status
-from toolpace.deflection.following.followed_joints import followed_joints_of
-from toolpace.deflection.following.samples import samples_of
+from toolpace.deflection.following.samples import followed_joints_of, samples_of
 from toolpace.kernels.follow import layout
 
 BENDING = np.array([60e-6, -40e-6, 30e-6])

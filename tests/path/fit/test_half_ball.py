@@ -9,10 +9,9 @@ import pytest
 
 from tests.support.tool_paths import random_toolpath, spiral
 from toolpace.common.errors import PathError, UsageError
-from toolpace.path.fit.half_ball import ACROSS, ALONG, HalfBall, unit
-from toolpace.path.fit.polyline import PlaceTolerances, polylines
+from toolpace.path.fit.polyline import ACROSS, ALONG, HalfBall, PlaceTolerances, polylines, unit
 from toolpace.path.path import Path
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 
 TIP, AXIS = 10e-6, 1e-3
 ABOVE = Tolerances(TIP, side="above")

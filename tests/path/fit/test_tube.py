@@ -14,8 +14,8 @@ from toolpace.common import workers
 from toolpace.common.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
-from toolpace.path.fit import samples as sampling
-from toolpace.path.fit.knots import first_breaks
+from toolpace.path.fit import spline as sampling
+from toolpace.path.fit.first_spline import first_breaks
 from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
 from toolpace.path.path import Path
 
@@ -276,7 +276,7 @@ def test_a_curve_that_came_to_no_end_outside_the_tube_is_not_taken(monkeypatch):
 
 
 def test_smoothing_gives_up_on_nan():
-    from toolpace.kernels.fit import tube
+    from toolpace.kernels.fit import smoothing_spline as kernel
     from toolpace.kernels.fit.quintic_spline import basis_rows, third_rows
     from toolpace.kernels.fit.smoothest import smoothest
 
@@ -287,7 +287,7 @@ def test_smoothing_gives_up_on_nan():
     metric = np.tile(np.eye(3), (81, 1, 1))
     x = np.zeros((25, 3))
     steps, _, _ = smoothest(
-        tube.Roughness(third_rows(knots), np.ones(3)), tube.Samples(*basis_rows(knots, s), target, metric),
-        tube.Tube(np.ones(81), np.full(81, 1e-9)), x, tube.Free(1, 24), np.full(20, 1e-9), 0.02, 80,
+        kernel.Roughness(third_rows(knots), np.ones(3)), kernel.Samples(*basis_rows(knots, s), target, metric),
+        kernel.Tube(np.ones(81), np.full(81, 1e-9)), x, kernel.Free(1, 24), np.full(20, 1e-9), 0.02, 80,
     )  # fmt: skip
     assert steps < 0

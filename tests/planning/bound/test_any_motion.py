@@ -8,10 +8,9 @@ import pytest
 
 from testbed.cases import random_case
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.planning.bound import any_motion
-from toolpace.planning.bound.any_motion import is_cheap, with_continuous_bound
-from toolpace.planning.bound.continuous import continuous_bound
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.bound import continuous
+from toolpace.planning.bound.continuous import continuous_bound, is_cheap, with_continuous_bound
 from toolpace.planning.endstate import EndState
 from toolpace.planning.planner import plan
 
@@ -43,5 +42,5 @@ def test_what_is_long_or_of_another_planner_is_not_cheap(monkeypatch):
     trajectory = plan(case.axis_path, case.limits)
     assert is_cheap(trajectory)
     assert not is_cheap(plan(case.axis_path, case.limits, planner="second-order"))
-    monkeypatch.setattr(any_motion, "CHEAP", any_motion.cells(trajectory) - 1)
+    monkeypatch.setattr(continuous, "CHEAP", continuous.cells(trajectory) - 1)
     assert not is_cheap(trajectory)

@@ -13,7 +13,7 @@ from tests.support.conic import conic_optimum
 from tests.support.mesh_problems import law_of, mesh_time, moving, small, solved, some_case
 from toolpace.kernels.optimal import newton
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.bound.relaxation import bound_run, coefficients, lower_bound
 from toolpace.planning.optimal.planner import fastest_law

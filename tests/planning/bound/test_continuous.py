@@ -12,7 +12,7 @@ from testbed.cases import all_cases
 from tests.support.random_paths import harmonics, random_limits
 from tests.support.straight_line import line, s_curve
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
 from toolpace.planning.bound.continuous import continuous_bound, gauss, widest_at_breaks
 from toolpace.planning.endstate import EndState

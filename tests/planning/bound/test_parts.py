@@ -11,9 +11,9 @@ from testbed.cases import flank
 from testbed.jets import harmonics, path_of
 from tests.support.mesh_problems import solved
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.planning.bound import any_motion
-from toolpace.planning.bound.allowance import Allowance
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.bound import continuous
+from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import prove, prove_run
@@ -55,7 +55,7 @@ def test_the_continuous_bound_is_that_of_all_runs_or_there_is_none(monkeypatch, 
     path, limits = two_runs()
     trajectory = plan(path, limits, mesh=40)
     given = dict(zip(path.runs, bounds, strict=True))
-    monkeypatch.setattr(any_motion, "continuous_bound", lambda run, *others: given[run])
+    monkeypatch.setattr(continuous, "continuous_bound", lambda run, *others: given[run])
     assert prove(trajectory, within=0.0).continuous_bound == told
 
 

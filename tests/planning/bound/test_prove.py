@@ -15,9 +15,8 @@ from tests.support.straight_line import line
 from toolpace.common.errors import UsageError
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.planning.bound.allowance import Allowance
-from toolpace.planning.bound.branch_and_bound import Box, Neighbourhood, Part, close
+from toolpace.motion.laws import SplineLaw
+from toolpace.planning.bound.branch_and_bound import Allowance, Box, Neighbourhood, Part, close
 from toolpace.planning.bound.gap_localisation import Place, losses_by_knot, settled
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.prove import end_states, prove_run, to_gain

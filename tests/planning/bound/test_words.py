@@ -7,7 +7,7 @@ import pytest
 
 from toolpace.machine.limits import Limits
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound.prove import prove
 from toolpace.planning.planner import plan
 from toolpace.results.write.plan_json import PlanRecord

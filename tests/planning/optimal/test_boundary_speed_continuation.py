@@ -9,9 +9,15 @@ from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from tests.support.mesh_problems import moving
 from toolpace.kernels.optimal import limit_rows
-from toolpace.planning.optimal import boundary_speed_continuation
-from toolpace.planning.optimal.boundary_speed_continuation import from_lower_boundary_speeds, solve_whole, with_ends_at
-from toolpace.planning.optimal.solve import Stalled, pinned, solve
+from toolpace.planning.optimal import solve as solutions
+from toolpace.planning.optimal.solve import (
+    Stalled,
+    from_lower_boundary_speeds,
+    pinned,
+    solve,
+    solve_whole,
+    with_ends_at,
+)
 from toolpace.planning.planner import plan
 
 SEEDS = range(0, 12, 3)
@@ -75,12 +81,12 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
 
         return solve
 
-    monkeypatch.setattr(boundary_speed_continuation, "from_lower_boundary_speeds", lambda *_: 2.0 * c)
-    monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(0.9 * c))
+    monkeypatch.setattr(solutions, "from_lower_boundary_speeds", lambda *_: 2.0 * c)
+    monkeypatch.setattr(solutions, "solve", stalled(0.9 * c))
     assert (solve_whole(problem, c, 1.0) == 0.9 * c).all()
-    monkeypatch.setattr(boundary_speed_continuation, "solve", stalled(None))
+    monkeypatch.setattr(solutions, "solve", stalled(None))
     assert (solve_whole(problem, c, 1.0) == 2.0 * c).all()
-    monkeypatch.setattr(boundary_speed_continuation, "from_lower_boundary_speeds", lambda *_: None)
+    monkeypatch.setattr(solutions, "from_lower_boundary_speeds", lambda *_: None)
     with pytest.raises(Stalled, match=r"a jerk limit is exceeded near s = 0\.25"):
         solve_whole(problem, c, 1.0)
 
@@ -89,14 +95,14 @@ def test_what_is_within_the_limits_is_taken_before_anything_is_tried(monkeypatch
 def test_as_many_solves_may_be_in_vain_as_are_granted(monkeypatch, missing, found):
     """Before one finds the way; whatever more would cost, there is hardly one left."""
     problem, c = moving(3)
-    vain = boundary_speed_continuation.MOST_IN_VAIN - 1 + missing
+    vain = solutions.MOST_IN_VAIN - 1 + missing
     asked = []
 
     def found_at(problem, speed, start, first_gap):
         asked.append(speed)
         return None if 1 < len(asked) <= 1 + vain else start
 
-    monkeypatch.setattr(boundary_speed_continuation, "found_at", found_at)
+    monkeypatch.setattr(solutions, "found_at", found_at)
     assert (from_lower_boundary_speeds(problem, c) is not None) == found
     assert asked[-1] == 1.0 or not found
 
@@ -104,12 +110,12 @@ def test_as_many_solves_may_be_in_vain_as_are_granted(monkeypatch, missing, foun
 def test_where_there_is_no_way_few_tries_are_made(monkeypatch):
     """Ends ten times as fast as a motion that is at its limits."""
     problem, c = moving(3)
-    true, asked = boundary_speed_continuation.found_at, []
+    true, asked = solutions.found_at, []
 
     def found_at(problem, speed, *given):
         asked.append(speed)
         return true(problem, speed, *given)
 
-    monkeypatch.setattr(boundary_speed_continuation, "found_at", found_at)
+    monkeypatch.setattr(solutions, "found_at", found_at)
     assert from_lower_boundary_speeds(with_ends_at(problem, 10.0), c) is None
-    assert min(asked) > 0.0 and max(asked) < 1.0 + 1e-12 and len(asked) <= 1 + boundary_speed_continuation.MOST_TRIES
+    assert min(asked) > 0.0 and max(asked) < 1.0 + 1e-12 and len(asked) <= 1 + solutions.MOST_TRIES

@@ -10,7 +10,7 @@ from testbed.curved_pass import curved_pass
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from toolpace.common.errors import InfeasibleError
-from toolpace.planning.bound.allowance import Allowance
+from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.relaxation import Bound
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal import fallback_strategies as another

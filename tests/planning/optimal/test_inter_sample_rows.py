@@ -9,10 +9,10 @@ from testbed.mesh_problem import mesh_problem
 from tests.support.usage import dense_usage
 from toolpace import Limits, Optimal, plan
 from toolpace.kernels.motion import between_nodes, cubic_spline
-from toolpace.kernels.motion.inter_sample_rows import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
+from toolpace.kernels.optimal.limit_rows import EIGHTHS, LOWERED, MOST_LOWERED, QUARTERS, SAME_PLACE
+from toolpace.kernels.optimal.multipliers import TILE
 from toolpace.kernels.optimal.solver_rows import wanted
-from toolpace.kernels.optimal.tiles import TILE
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.planning.limit_tolerances import ALLOWED, PROMISED
 from toolpace.planning.optimal.inter_sample_limits import IDLE, WARM_SPREAD
 from toolpace.planning.optimal.meshed_run import RowsBetween

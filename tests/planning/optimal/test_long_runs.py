@@ -18,20 +18,18 @@ from toolpace.common.workers import CallersProgress, Workers
 from toolpace.kernels.optimal import dual as kernel
 from toolpace.kernels.optimal.newton import Ends
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.planning.bound import pieces
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import relaxation as bounds
-from toolpace.planning.bound.pieces import bound_long_run
-from toolpace.planning.bound.relaxation import bound_run
+from toolpace.planning.bound.relaxation import bound_long_run, bound_run
 from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
 from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
+from toolpace.planning.optimal.inter_sample_limits import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
-from toolpace.planning.optimal.slow_down import easing, slowing, within_guarantee
 from toolpace.planning.planner import plan
 
 CELLS = 9000
@@ -42,9 +40,9 @@ ROOT = Path(__file__).parents[3]
 def short_windows(monkeypatch):
     """What long runs are treated as, at lengths that are quickly solved in one piece too."""
     monkeypatch.setattr(meshed_run, "KEPT", 2000)
-    monkeypatch.setattr(pieces, "WHOLE", 2000)
+    monkeypatch.setattr(bounds, "WHOLE", 2000)
     monkeypatch.setattr(windows, "WINDOW", 2500)
-    monkeypatch.setattr(pieces, "PIECE", 1500)
+    monkeypatch.setattr(bounds, "PIECE", 1500)
 
 
 def in_one_piece(**options):

@@ -12,7 +12,7 @@ from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion import limit_ratios
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.path.run import unit_jets
 from toolpace.planning.limit_tolerances import PROMISED

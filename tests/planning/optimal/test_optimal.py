@@ -13,7 +13,7 @@ from tests.support.usage import dense_usage
 from toolpace.common.errors import InfeasibleError, ToolpaceError
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED

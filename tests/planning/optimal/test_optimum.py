@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan

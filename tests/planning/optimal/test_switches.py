@@ -14,7 +14,7 @@ from tests.support.random_paths import harmonics, random_limits
 from tests.support.tool_paths import toolpath_through
 from tests.support.usage import dense_usage
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import fastest_law

@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.mesh_problems import ingredients
 from toolpace.common.workers import Workers
-from toolpace.path.axispath.axispath import AxisPath
+from toolpace.path.axis_path import AxisPath
 from toolpace.planning.endstate import AT_REST
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import windows

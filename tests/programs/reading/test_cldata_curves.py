@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading import read_text
-from toolpace.programs.reading.curves.splines import Spline, SplineError
+from toolpace.programs.reading.splines import CurveError, Spline
 from toolpace.programs.toolpath import ToolPath
 
 
@@ -91,9 +91,9 @@ def test_evaluation_of_splines_with_repeated_knots():
     ],
 )
 def test_splines_that_cannot_be(inner, says):
-    with pytest.raises(SplineError, match=says):
+    with pytest.raises(CurveError, match=says):
         Spline.clamped(np.array(inner), np.zeros((6, 3)))
-    with pytest.raises(SplineError, match="more than three times"):
+    with pytest.raises(CurveError, match="more than three times"):
         Spline.clamped(np.full(4, 0.5), np.zeros((8, 3)))
 
 

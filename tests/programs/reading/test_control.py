@@ -11,8 +11,7 @@ from tests.support.virtual_control import ALL, DEG, control, go, joints, place, 
 from toolpace.common.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.joint_moves import reference, straight_in_machine
-from toolpace.programs.reading.control.tool_axis import turn_to_plane
+from toolpace.programs.reading.control.machine_moves import reference, straight_in_machine, turn_to_plane
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.placement import INSIDE
@@ -193,7 +192,7 @@ def test_set_position_names_the_place_where_the_machine_is():
 
 
 def test_a_frame_shifts_and_turns_words_and_arcs_start_and_end_on_it():
-    from toolpace.programs.reading.curves.arcs import arc_about
+    from toolpace.programs.reading.arcs import arc_about
 
     made = control(None)
     made.set_frame(affine.product(affine.shift((0.1, 0.0, 0.0)), affine.rotation(2, math.pi / 2)))

@@ -13,8 +13,7 @@ from toolpace.common.errors import UsageError
 from toolpace.machine.machine import Machine
 from toolpace.programs import reading
 from toolpace.programs.reading import ReadOptions, Source, read_text
-from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.controllers.options import OPTIONS
+from toolpace.programs.reading.controllers.controller import OPTIONS, Controller
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.languages import READERS, recognised
 

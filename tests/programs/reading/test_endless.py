@@ -9,8 +9,9 @@ import pytest
 from toolpace.cli import main
 from toolpace.common.errors import ProgramError
 from toolpace.machine.machine import Machine
-from toolpace.programs.reading import Controller, Source, execution_limit, read_commanded, read_source
-from toolpace.programs.reading.execution_limit import EndlessError
+from toolpace.programs.reading import Controller, Source, read_commanded, read_source
+from toolpace.programs.reading.control import state
+from toolpace.programs.reading.control.state import EndlessError
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.options import ReadOptions
 
@@ -60,7 +61,7 @@ def read(dialect: str, text: str, most_blocks: int | None = None):
 
 @pytest.mark.parametrize(("dialect", "text"), LOOPS.values(), ids=LOOPS)
 def test_a_loop_without_end_is_refused_with_the_cure(dialect, text, monkeypatch):
-    monkeypatch.setattr(execution_limit, "REPEATED", 4000)
+    monkeypatch.setattr(state, "REPEATED", 4000)
     with pytest.raises(
         EndlessError, match=r"^part\.nc:[0-9]+: [0-9]+ blocks have been executed of [0-9]+ lines: is th"
     ):
@@ -79,7 +80,7 @@ def test_it_takes_seconds(name):
 
 
 def test_no_other_machine_is_tried(monkeypatch):
-    monkeypatch.setattr(execution_limit, "REPEATED", 4000)
+    monkeypatch.setattr(state, "REPEATED", 4000)
     machines = [Machine.load(name) for name in ("xyzac-trunnion", "xyzbc-head", "xyzbc-nutating")]
     dialect, text = LOOPS["sinumerik, counting"]
     tried = []
@@ -93,7 +94,7 @@ def test_no_other_machine_is_tried(monkeypatch):
 
 def test_a_long_program_is_no_loop_and_what_it_calls_counts_with_its_lines(tmp_path, monkeypatch):
     """A file beside the program of a thousand blocks, called thirty times, is a program for thirty parts."""
-    monkeypatch.setattr(execution_limit, "REPEATED", 4000)
+    monkeypatch.setattr(state, "REPEATED", 4000)
     body = "".join(f"G1 X{k % 7} F100\n" for k in range(1000))
     assert len(read("fanuc", "%\nO1\n" + START + 8 * body + "M30\n%\n")) > 6000
     part = tmp_path / "O0001.nc"
@@ -108,7 +109,7 @@ def test_a_long_program_is_no_loop_and_what_it_calls_counts_with_its_lines(tmp_p
 
 
 def test_the_command_says_it_in_one_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(execution_limit, "REPEATED", 4000)
+    monkeypatch.setattr(state, "REPEATED", 4000)
     (tmp_path / "part.nc").write_text(LOOPS["fanuc, a jump"][1])
     assert main(["time", str(tmp_path / "part.nc"), "-m", "xyzac-trunnion"]) == 2
     error = capsys.readouterr().err

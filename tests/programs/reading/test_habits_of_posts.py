@@ -9,7 +9,7 @@ from tests.support.controllers import read_for, tips
 from toolpace.common.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.recognise import recognise
-from toolpace.programs.reading.dialect import dialect_of, is_conversational
+from toolpace.programs.reading.languages import dialect_of, is_conversational
 from toolpace.programs.reading.source import Source
 
 START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z10.\n"

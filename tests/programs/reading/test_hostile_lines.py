@@ -8,7 +8,7 @@ import pytest
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading import Source, read_text
-from toolpace.programs.reading.dialect import dialect_of
+from toolpace.programs.reading.languages import dialect_of
 
 HEIDENHAIN = "L X+0 Y+0 Z+0 FMAX\n{}\nL X+1 F100\n"
 SINUMERIK = "G90 G0 X0 Y0 Z0\n{}\nG1 X1 F100\n"

@@ -11,7 +11,7 @@ from tests.support.growth import order_of_growth
 from tests.support.table_table import MACHINE
 from toolpace.common import units
 from toolpace.common.errors import ToolpaceError
-from toolpace.programs.reading import dialect, read_text, table
+from toolpace.programs.reading import languages, read_text, table
 from toolpace.programs.reading.cldata import words as cl_words
 from toolpace.programs.reading.feeds import FeedChange
 from toolpace.programs.reading.gcode.program import words as gcode_words
@@ -84,7 +84,7 @@ def test_no_expression_gives_back_blanks_or_digits_next_to_others():
     """A repetition of blanks or digits that can be given back is possessive, or stands where it fails at once."""
     held = {
         "table": [table._COLUMN], "units": [units._QUANTITY], "cldata": [cl_words.NUMBER],
-        "dialect": [dialect._CLDATA, dialect._TABLE, dialect._GCODE, dialect._CONVERSATIONAL],
+        "languages": [languages._CLDATA, languages._TABLE, languages._GCODE, languages._CONVERSATIONAL],
         "gcode": [gcode_words._BLOCK],
     }  # fmt: skip
     loose = re.compile(r"(?:\\s|\[0-9\]|\[\^\\S\\n\]|\[A-Za-z\])[*+](?!\+)")

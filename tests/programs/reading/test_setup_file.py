@@ -11,11 +11,10 @@ from tests.support.virtual_control import control, go, joints, place
 from toolpace.common.errors import MachineError, UsageError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import read_text
-from toolpace.programs.reading.control.joint_moves import reference, straight_in_machine
+from toolpace.programs.reading.control.machine_moves import reference, straight_in_machine
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 from toolpace.programs.reading.findings import Used
-from toolpace.programs.reading.setup_file import load_setup, setup_in, setup_of_text, setup_text
-from toolpace.programs.reading.setup_sheet import setup_sheet
+from toolpace.programs.reading.setup_file import load_setup, setup_in, setup_of_text, setup_sheet, setup_text
 
 SHEET = """
 [offsets.G54]

@@ -72,7 +72,6 @@ def test_cycle_32_of_klartext():
     ],
 )  # fmt: skip
 def test_numbers_of_blocks(text, numbered):
-    from toolpace.programs.reading.block_numbers import numbered_blocks
-    from toolpace.programs.reading.source import Source
+    from toolpace.programs.reading.source import Source, numbered_blocks
 
     assert list(map(tuple, numbered_blocks(Source.from_text(text)).tolist())) == numbered

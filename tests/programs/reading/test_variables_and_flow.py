@@ -12,7 +12,7 @@ from tests.support.controllers import read_for, tips
 from toolpace.common.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
-from toolpace.programs.reading.gcode.program.expressions import Parser, value_of
+from toolpace.programs.reading.gcode.program.expressions import Grammar, Parser, value_of
 from toolpace.programs.reading.gcode.program.variables import Variables
 from toolpace.programs.reading.gcode.program.words import WordError
 
@@ -25,7 +25,7 @@ def value(text: str, *, bits: bool = False, **known: float):
         {name.lstrip("v"): number for name, number in known.items()}, lambda key: None,
         locals_to=33, empty_locals=bits, system_from=1000,
     )  # fmt: skip
-    parser = Parser(text, bits=bits)
+    parser = Parser(text, grammar=Grammar(bits=bits))
     found = value_of(parser.expression(), variables)
     assert not parser.text[parser.at :].strip()
     return found

@@ -35,8 +35,9 @@ RESULTS = (result(0), result(1))
 
 
 def write_one(out: Path, turn: int) -> None:
-    # Only one of the two has a table: a mixture of both has a file too many, or too few.
-    write.write_folder(out, RESULTS[turn], csv=bool(turn), report=False)
+    # Only one of the two has a table: a mixture of both has a file too many, or too few,
+    # and they hold their set-points in different files.
+    write.write_folder(out, RESULTS[turn], csv=bool(turn), report=False, npz=("full", "compact")[turn])
 
 
 def content(folder: Path) -> tuple[int, dict[str, bytes]]:

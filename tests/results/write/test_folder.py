@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files import finished, folder, folder_to_write, temporary, whole_file, whole_folder
+from toolpace.common.files import atomic, finished, folder, folder_to_write, whole_file, whole_folder
 from toolpace.common.files.seal import foreign, read_seal
 
 ROOT = Path(__file__).parents[3]
@@ -204,7 +204,7 @@ def test_without_an_exchange_the_folders_are_renamed_one_after_the_other(here, m
 def test_what_was_moved_away_before_a_kill_comes_back(here, monkeypatch):
     """Without an exchange there is a moment in which neither is there."""
     write_result(here / "out", "old")
-    (here / "out").rename(temporary.temporary_name(here / "out", "old"))
+    (here / "out").rename(atomic.temporary_name(here / "out", "old"))
     assert folder_to_write(here / "out") and (here / "out" / "data.bin").read_text() == "old"
     assert sorted(path.name for path in here.iterdir()) == ["cwd", "out"]
 

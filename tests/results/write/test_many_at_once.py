@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from toolpace.common.files import seal, temporary, whole_folder
-from toolpace.common.files.temporary import Temporary, held, sweep
+from toolpace.common.files import atomic, seal, whole_folder
+from toolpace.common.files.atomic import Temporary, held, sweep
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no locks")
@@ -28,10 +28,10 @@ def test_many_processes_write_side_by_side(tmp_path, places):
 @pytest.mark.parametrize("moment", ["before the lock", "with the lock"])
 def test_a_name_that_is_swept_before_it_is_locked_is_made_anew(tmp_path, monkeypatch, moment):
     """Whoever cleans up takes a name without a lock for that of a dead run."""
-    lock, names = temporary._locked, []
+    lock, names = atomic._locked, []
 
     def late(path):
-        monkeypatch.setattr(temporary, "_locked", lock)
+        monkeypatch.setattr(atomic, "_locked", lock)
         names.append(path)
         sweep(tmp_path / "other")
         assert not path.exists()
@@ -39,7 +39,7 @@ def test_a_name_that_is_swept_before_it_is_locked_is_made_anew(tmp_path, monkeyp
             raise BlockingIOError
         return lock(path)
 
-    monkeypatch.setattr(temporary, "_locked", late)
+    monkeypatch.setattr(atomic, "_locked", late)
     made = Temporary(tmp_path / "out", folder=True)
     assert made.path.is_dir() and made.path != names[0]
     sweep(tmp_path / "other")
@@ -49,14 +49,14 @@ def test_a_name_that_is_swept_before_it_is_locked_is_made_anew(tmp_path, monkeyp
 
 
 def test_what_is_held_is_neither_swept_nor_held_twice(tmp_path, monkeypatch):
-    monkeypatch.setattr(temporary, "PATIENCE", 0.05)
+    monkeypatch.setattr(atomic, "PATIENCE", 0.05)
     moved = tmp_path / "out"
     with whole_folder(moved, seal="plan.json") as folder:
         (folder / "plan.json").write_text('{"a": 1\n}\n')
     with held(moved):
         with pytest.raises(BlockingIOError):
-            temporary._locked(moved)
-        away = moved.rename(temporary.temporary_name(moved))
+            atomic._locked(moved)
+        away = moved.rename(atomic.temporary_name(moved))
         sweep(moved)
         assert away.is_dir()
         with held(away):

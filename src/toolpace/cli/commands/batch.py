@@ -164,7 +164,7 @@ class BatchRequest:
             optimum=not each.no_optimum,
             dt=arguments.time_step(files.dt),
             csv=files.csv,
-            npz=arguments.npz_wanted(files.npz),
+            npz=arguments.form_of_set_points(files.npz),
             report=not files.no_report,
             controller=reading.controller,
             setup=reading.setup,

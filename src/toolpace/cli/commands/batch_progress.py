@@ -14,9 +14,9 @@ from rich.text import Text
 from toolpace.cli.console import cells, named_error, new_console, new_table, short_names
 from toolpace.cli.summary import limit_in_words
 from toolpace.common.cluster import Pool, open_pool
-from toolpace.common.description import counted
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs.batch import Batch, BatchJob, BatchRow, run_batch
 from toolpace.jobs.batch.folder import batch_folder
 from toolpace.results.report.words import at_most

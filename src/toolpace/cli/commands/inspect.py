@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from toolpace.cli.console import LONGEST_NAME, cells, new_console, new_table, print_json, short_names
-from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.jobs.inspection import follow_as_planned, inspection_record
 from toolpace.programs.reading.inspection import Inspection, Range, inspect_source, unreadable
 from toolpace.programs.reading.source import Source
@@ -78,7 +78,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     """A sheet with all that the programs use, on the machine that they were read for."""
     from toolpace.common.files import write_text
     from toolpace.programs.reading.findings import Used
-    from toolpace.programs.reading.setup_sheet import setup_sheet
+    from toolpace.programs.reading.setup_file import setup_sheet
 
     used = Used()
     for each in found:

@@ -90,7 +90,7 @@ def costs(task: Job, tolerances: Sequence[float], steps: Steps) -> list[Cost]:
     from toolpace.jobs import job
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.program_plan import plan_program
-    from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     task = job.loaded(task)
     job.warm_up(steps)

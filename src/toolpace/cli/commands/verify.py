@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from toolpace.cli.console import Steps
 from toolpace.cli.options import AS_WRITTEN, Reading
@@ -17,13 +19,20 @@ from toolpace.judge import Check, Verification, verify_plan
 from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
 from toolpace.judge.table import with_table
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.set_point_files import read_set_points
+from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
+from toolpace.motion.set_point_grid import grids
 from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_text
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.results import write
 from toolpace.results.write import PlanRecord
 from toolpace.results.write.result import copy_name
+
+MOST_OFF = 1.0
+"""Grids of rounding by which path and laws may be off the set-points: half of one, and what computers round by."""
 
 
 def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
@@ -37,7 +46,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
     write.refuse_without_set_points(folder, "verified again (plan.json has the result of the first verification)")
     with steps.step("reading") as step:
         machine = Machine.load(folder / write.MACHINE)
-        setpoints = SetPoints.load(folder / write.SET_POINTS)
+        setpoints = read_set_points(folder, machine)
         options = read_as_planned(folder, record, reading)
         tool = write.bent_tool(folder, record.bending)
         toolpath = None
@@ -58,8 +67,37 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             words = changed(folder)
         except OSError as error:
             raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
+        if found.checks[0].ok and (folder / TRAJECTORY).exists():
+            found = replace(found, checks=(*found.checks, trajectory_check(folder, machine, setpoints)))
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
+
+
+def trajectory_check(folder: Path, machine: Machine, points: SetPoints) -> Check:
+    """Whether path and speed laws of a plan come to its set-points: positions to a rounding, blocks, and the end."""
+    path, laws = read_trajectory(folder / TRAJECTORY, machine)
+    off, at = largest_difference(Trajectory(path, machine.limits, laws), points)
+    time, block = float(points.t[at]), int(points.block[at])
+    return Check(TRAJECTORY, off, MOST_OFF, "", off <= MOST_OFF, time, block, note="grids off the set-points")
+
+
+def largest_difference(trajectory: Trajectory, points: SetPoints) -> tuple[float, int]:
+    """By how many grids of their rounding positions differ at most, and the set-point where they do so the most.
+
+    Infinite where there are more or fewer of them, or where one names a block that is not run at it or beside it.
+    """
+    dt = float(points.t[1] - points.t[0])
+    sampled = trajectory.sample(dt, on_grid=True)
+    if len(sampled) != len(points):
+        return math.inf, min(len(sampled), len(points)) - 1
+    off = np.zeros(len(points))
+    for joint, grid in enumerate(grids(trajectory.limits, dt)[0]):
+        np.maximum(off, np.abs(sampled.q[:, joint] - points.q[:, joint]) / grid, out=off)
+    beside = np.concatenate([sampled.block[:1], sampled.block, sampled.block[-1:]])
+    named = (points.block == beside[:-2]) | (points.block == beside[1:-1]) | (points.block == beside[2:])
+    off[~named] = math.inf
+    worst = int(np.argmax(off))
+    return float(off[worst]), worst
 
 
 def refuse_pipes(folder: Path) -> None:

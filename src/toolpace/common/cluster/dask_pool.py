@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import cloudpickle
 from distributed import KilledWorker
 
-from toolpace.common.cluster import remote, scheduler_notes
-from toolpace.common.cluster.pool import Outcome, Pool, PoolWork, too_large
+from toolpace.common import __version__
+from toolpace.common.cluster.pool import Held, Outcome, Pool, PoolWork, WorkItem, do, hold, too_large
 from toolpace.common.errors import ClusterError, printable
-from toolpace.common.version import __version__
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, Scheduler
 
 C = TypeVar("C")
 T = TypeVar("T")
@@ -35,6 +34,13 @@ SMALL = 16_384
 """Bytes up to which what items have in common goes with each of them: dask would rather have all where it lies."""
 GATHER = 10.0
 """Time for an outcome to come from its worker, which may have died meanwhile [s]."""
+OFTEN = 500
+"""Tasks after which the scheduler's notes are thrown away.
+
+What a task is called is looked up in a cache of 100 000 names, and the span that tasks belong to notes of every
+submission which kind of collection it was, for as long as the scheduler runs: together some 500 bytes a task. The
+scheduler's logs keep their last thousand entries, and so grow over the first thousands of tasks only.
+"""
 
 
 class DaskPool(Pool):
@@ -56,11 +62,11 @@ class DaskPool(Pool):
         try:
             for number, item in enumerate(items):
                 while not run.has_room():
-                    yield from run.told()
+                    yield from run.outcomes()
                 if (outcome := run.begin(number, item)) is not None:
                     yield outcome
             while run.flying or run.ready:
-                yield from run.told()
+                yield from run.outcomes()
             yield from run.suspects_alone()
         finally:
             run.close()
@@ -99,9 +105,9 @@ class _Run(Generic[C, T, R]):
         self.looked = self.seen = time.monotonic()
         self.width, self.holds, self.declared = 0, 0.0, False
         self.there: frozenset[str] = frozenset()
-        self.held: remote.Held[C] | Future = remote.Held(work.common)
+        self.held: Held[C] | Future = Held(work.common)
         if len(cloudpickle.dumps(work.common)) > SMALL:
-            self.held = self._submit(remote.hold, self.held, key=f"{self.name}-common")
+            self.held = self._submit(hold, self.held, key=f"{self.name}-common")
         self._look()
 
     def has_room(self) -> bool:
@@ -117,11 +123,11 @@ class _Run(Generic[C, T, R]):
         allowed = self.there.difference(self.work.avoid) if self.work.avoid else frozenset()
         # Another try is another task: the scheduler still counts what happened to the first.
         self.tries += 1
-        if self.tries % scheduler_notes.OFTEN == 0:
+        if self.tries % OFTEN == 0:
             self._tidy()
         future = self._submit(
-            remote.do,
-            remote.WorkItem(self.work.do, item),
+            do,
+            WorkItem(self.work.do, item),
             self.held,
             key=(self.name, number, self.tries),
             resources={"memory": need} if need and self.declared else None,
@@ -131,7 +137,7 @@ class _Run(Generic[C, T, R]):
         future.add_done_callback(lambda done: self.came.put((number, done)))
         return None
 
-    def told(self) -> Iterator[Outcome[T, R]]:
+    def outcomes(self) -> Iterator[Outcome[T, R]]:
         """The next outcome; none where none came for a while, or an item must be tried again."""
         self._look_again()
         while self.ready:
@@ -161,10 +167,10 @@ class _Run(Generic[C, T, R]):
         except Exception as error:
             # Not of the work, whose errors come as words: it could not be sent, or not be read.
             del self.flying[number]
-            told = f"the worker could not do it: {type(error).__name__}: {error}"
+            message = f"the worker could not do it: {type(error).__name__}: {error}"
             if isinstance(error, ImportError):
-                told = f"scheduler and workers need toolpace {__version__}, and all that the work imports: {error}"
-            yield Outcome(number, flight.item, None, printable(" ".join(told.split())))
+                message = f"scheduler and workers need toolpace {__version__}, and all that the work imports: {error}"
+            yield Outcome(number, flight.item, None, printable(" ".join(message.split())))
             return
         del self.flying[number]
         yield Outcome(number, flight.item, value, wrong, worker, seconds)
@@ -177,7 +183,7 @@ class _Run(Generic[C, T, R]):
             if (outcome := self.begin(number, item)) is not None:
                 yield outcome
             while self.flying or self.ready:
-                yield from self.told()
+                yield from self.outcomes()
 
     def now(self) -> list[tuple[T, str]]:
         """See `Pool.now`."""
@@ -196,7 +202,7 @@ class _Run(Generic[C, T, R]):
         self.flying.clear()
         if futures and self.client.status == "running":
             self.client.cancel(futures, force=True)
-        if not isinstance(self.held, remote.Held):
+        if not isinstance(self.held, Held):
             self.held.release()
 
     def _submit(self, *words: Any, **options: Any) -> Future:
@@ -208,7 +214,7 @@ class _Run(Generic[C, T, R]):
     def _tidy(self) -> None:
         # One that takes no functions (distributed.scheduler.pickle: false), or is gone: the next look will tell.
         with contextlib.suppress(OSError, ValueError):
-            self.client.run_on_scheduler(scheduler_notes.throw_away)
+            self.client.run_on_scheduler(throw_away)
 
     def _look_again(self) -> None:
         if time.monotonic() - self.looked >= LOOK:
@@ -256,3 +262,18 @@ class _Run(Generic[C, T, R]):
             f"the worker died each time it was tried, last alone on {last.address}{limit}: killed from outside, out of "
             "memory, or a crash; split the program, or give workers more memory"
         )
+
+
+def throw_away(dask_scheduler: Scheduler) -> None:
+    """Done in the scheduler: of notes that are alike one is kept, and of looked-up names none."""
+    from dask.utils import key_split
+
+    key_split.cache_clear()
+    spans = getattr(dask_scheduler.extensions.get("spans"), "spans", {})
+    for span in spans.values():
+        kinds = (span.metadata or {}).get("collections", [])
+        unlike: list[object] = []
+        for kind in kinds:
+            if kind not in unlike:
+                unlike.append(kind)
+        kinds[:] = unlike

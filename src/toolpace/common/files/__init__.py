@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from toolpace.common.files.atomic import file_to_write, reason, whole_file, write_text
 from toolpace.common.files.folder import finished, folder_to_write, is_folder, whole_folder
 from toolpace.common.files.room import free_disk, free_memory
 from toolpace.common.files.seal import KEY as SEAL
 from toolpace.common.files.seal import changed, sealed_files
-from toolpace.common.files.whole import file_to_write, reason, whole_file, write_text
 
 __all__ = [
     "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "is_folder",

@@ -12,10 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from toolpace.common.errors import UsageError
+from toolpace.common.files.atomic import TRIES, Temporary, held, reason, sweep, temporary_name, uninterrupted
 from toolpace.common.files.seal import foreign, read_seal, write_seal
-from toolpace.common.files.signals import uninterrupted
-from toolpace.common.files.temporary import TRIES, Temporary, held, sweep, temporary_name
-from toolpace.common.files.whole import reason
 
 finished: list[Path] = []
 """Folders that this process has put in their places, for whoever must say after an interrupt what was written."""
@@ -42,13 +40,13 @@ def folder_to_write(folder: str | os.PathLike[str]) -> Path:
     It is missing, empty, or as toolpace wrote it; new folders can be made beside it; what killed runs left there is
     removed. Raises UsageError with the reason and the cure.
     """
-    given = os.fspath(folder)
+    shown = os.fspath(folder)
     try:
-        if not given:
+        if not shown:
             raise UsageError("the name of the folder is empty; give one like part-plan")
-        target = Path(given).resolve()
+        target = Path(shown).resolve()
         with held(target):
-            _refuse_taken(target, given)
+            _refuse_taken(target, shown)
         # Only by making one is it known: rights, disks that take no writing, names that are too long.
         with uninterrupted():
             sweep(target)
@@ -56,7 +54,7 @@ def folder_to_write(folder: str | os.PathLike[str]) -> Path:
         (target / ".toolpace-new-01234567-01234567.html").exists()
     except (OSError, ValueError, RuntimeError) as error:
         why = reason(error) if not isinstance(error, RuntimeError) else "its links go round in a circle"
-        raise UsageError(f"{given}: cannot be written: {why}; give another folder") from None
+        raise UsageError(f"{shown}: cannot be written: {why}; give another folder") from None
     return target
 
 
@@ -94,7 +92,7 @@ def whole_folder(folder: str | os.PathLike[str], seal: str = "") -> Iterator[Pat
                 _remove_empty(parent)
 
 
-def _put(new: Path, target: Path, given: str) -> None:
+def _put(new: Path, target: Path, shown: str) -> None:
     """Put a folder in its place; what was there has the temporary name afterwards."""
     try:
         # Also where an empty folder is: the system puts the new one over it.
@@ -104,12 +102,12 @@ def _put(new: Path, target: Path, given: str) -> None:
         if error.errno not in _FILLED:
             raise
     with held(target):
-        _exchange_whole(new, target, given)
+        _exchange_whole(new, target, shown)
 
 
-def _exchange_whole(new: Path, target: Path, given: str) -> None:
+def _exchange_whole(new: Path, target: Path, shown: str) -> None:
     """Let a folder take the place of one that toolpace wrote, which is held meanwhile."""
-    _refuse_taken(target, given)
+    _refuse_taken(target, shown)
     new.chmod(stat.S_IMODE(target.stat().st_mode))
     old = new
     if not exchange(new, target):
@@ -129,39 +127,39 @@ def _exchange_whole(new: Path, target: Path, given: str) -> None:
             target.rename(aside)
             new.rename(target)
             aside.rename(new)
-        raise UsageError(f"{given}: is not replaced, since {changed}; move that away, or give another folder")
+        raise UsageError(f"{shown}: is not replaced, since {changed}; move that away, or give another folder")
 
 
-def _refuse_other_kind(target: Path, given: str, seal: str) -> None:
+def _refuse_other_kind(target: Path, shown: str, seal: str) -> None:
     """Raise UsageError where a result of another kind is in the place: an export never replaces a plan."""
     found = read_seal(target)
     if seal and found is not None and found[0] != seal:
-        raise UsageError(f"{given}: holds another result of toolpace, {found[0]}; give another folder")
+        raise UsageError(f"{shown}: holds another result of toolpace, {found[0]}; give another folder")
 
 
-def _refuse_taken(target: Path, given: str) -> None:
+def _refuse_taken(target: Path, shown: str) -> None:
     """Raise UsageError where something is in the place that toolpace may not replace; OSError where none can tell."""
     here = Path.cwd()
     if target == here or target in here.parents:
         where = "the folder you are in" if target == here else "above the folder you are in"
-        raise UsageError(f"{given}: is {where}, and results replace a folder as a whole; give one like part-plan")
+        raise UsageError(f"{shown}: is {where}, and results replace a folder as a whole; give one like part-plan")
     if target == Path("~").expanduser().resolve():
-        raise UsageError(f"{given}: is your home folder; give a folder of its own, like part-plan")
+        raise UsageError(f"{shown}: is your home folder; give a folder of its own, like part-plan")
     try:
         mode = target.stat().st_mode
     except FileNotFoundError:
         return
     except NotADirectoryError:
-        raise UsageError(f"{given}: a part of this path is a file; give a folder to write into") from None
+        raise UsageError(f"{shown}: a part of this path is a file; give a folder to write into") from None
     if not stat.S_ISDIR(mode):
-        raise UsageError(f"{given}: is a file; give a folder to write into")
+        raise UsageError(f"{shown}: is a file; give a folder to write into")
     if os.path.ismount(target):
         raise UsageError(
-            f"{given}: is where a disk is mounted; give a folder on it, like {given.rstrip('/')}/part-plan"
+            f"{shown}: is where a disk is mounted; give a folder on it, like {shown.rstrip('/')}/part-plan"
         )
     if changed := foreign(target):
         raise UsageError(
-            f"{given}: is not replaced, since {changed}; give another folder, or move what you want to keep out of it "
+            f"{shown}: is not replaced, since {changed}; give another folder, or move what you want to keep out of it "
             "and remove it"
         )
 

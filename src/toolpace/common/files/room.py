@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import math
-import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 _CGROUP = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current")
 
@@ -20,12 +21,11 @@ def free_memory() -> float:
     with contextlib.suppress(OSError, ValueError):
         most, used = (float(Path(name).read_text(encoding="ascii")) for name in _CGROUP)
         free = min(free, most - used)
-    with contextlib.suppress(ImportError, OSError, ValueError):
-        import resource
-
+    with contextlib.suppress(ImportError, AttributeError, OSError, ValueError):
+        resource: Any = importlib.import_module("resource")  # Windows has none
         most = resource.getrlimit(resource.RLIMIT_AS)[0]
         if most != resource.RLIM_INFINITY:
-            used = float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
+            used = float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
             free = min(free, most - used)
     return max(free, 1.0)
 

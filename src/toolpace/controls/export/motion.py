@@ -10,19 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
+from toolpace.common import __version__
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, reason
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
-from toolpace.common.version import __version__
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.reading import ReadOptions, Source
 from toolpace.results.write import (
     MACHINE,
     PLAN,
-    SET_POINTS,
     PlanRecord,
     read_again,
     read_plan,
@@ -130,7 +130,7 @@ class PlannedMotion:
         machine = Machine.load(folder / MACHINE)
         source = Source.load(folder / record.program_file) if record.program_file else None
         return cls(
-            SetPoints.load(folder / SET_POINTS),
+            read_set_points(folder, machine),
             machine,
             str(folder),
             record.program,

@@ -15,9 +15,9 @@ from typing import ClassVar
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import counted
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.controls.export.block_times import pose
 from toolpace.controls.export.feed_words import NUMBER, code_of
 from toolpace.controls.export.motion import PlannedMotion, provenance

@@ -177,7 +177,7 @@ class _Rows:
 
     def ends(self) -> Ints:
         """Rows at which blocks end."""
-        from toolpace.kernels.linuxcnc.chain import chain_ends
+        from toolpace.kernels.linuxcnc.blocks import chain_ends
 
         turns = np.abs(self.way[:, 3:]).max(axis=1, initial=0.0) > NONE
         alone = self.rapid | turns | (self.sweep > 0.0)

@@ -1,4 +1,4 @@
-"""The checked settings of a follower."""
+"""The settings of a follower, checked."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import refuse_other_unit
-from toolpace.deflection.following.parameters import number, numbers
+from toolpace.cutting.compliance import SOFTEST
 from toolpace.kernels.follow.layout import LOOK_BACK
 
 CAUSES = ("bending", "displaced")
@@ -18,8 +18,6 @@ FINEST, COARSEST = 1e-5, 0.1
 """Shortest and longest period that a follower is for [s]."""
 MOST_BELIEVABLE, MOST_WAIT = 0.2, 5e-3
 """Deflection that may be believed, and lag of a correction [m]."""
-SOFTEST = 1e-3
-"""Most compliance of a tool [m/N]."""
 MOST_RESERVE = 0.5
 
 
@@ -99,10 +97,10 @@ class Figures:
             object.__setattr__(self, "believable", 10.0 * self.max_correction)
 
     def _check(self, name: str, least: float, most: float, words: str) -> None:
-        given = getattr(self, name)
-        value = number(given)
+        raw = getattr(self, name)
+        value = number(raw)
         if value is None or not least <= value <= most:
-            raise UsageError(f"follower: {name} is {given!r:.60}; give {words}")
+            raise UsageError(f"follower: {name} is {raw!r:.60}; give {words}")
         object.__setattr__(self, name, value)
 
 
@@ -122,3 +120,18 @@ RANGES = {
     "filter": (0.0, 2.0, "a time from 0 to 2 s"),
     "wait": (1e-9, math.inf, "a length above 0"),
 }
+
+
+def numbers(value: object) -> Floats | None:
+    """What was given as an array of real numbers, or None where it is none: text, truth values and None are none."""
+    try:
+        found = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return found.astype(float) if found.dtype.kind in "iuf" else None
+
+
+def number(value: object) -> float | None:
+    """What was given as one real number, or None where it is none."""
+    found = numbers(value)
+    return None if found is None or found.shape != () else float(found)

@@ -9,16 +9,12 @@ from typing import Any
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import one_line
 from toolpace.common.errors import UsageError, did_you_mean
-from toolpace.deflection.following.figures import Figures
-from toolpace.deflection.following.followed_joints import FollowedJoints, followed_joints_of
-from toolpace.deflection.following.law import law_of
-from toolpace.deflection.following.law_file import read_law, write_law
-from toolpace.deflection.following.measurement import Measurement
-from toolpace.deflection.following.parameters import number
-from toolpace.deflection.following.samples import samples_of
-from toolpace.deflection.following.setpoint import SetPoint, Status
+from toolpace.common.value_objects import one_line
+from toolpace.deflection.following.figures import Figures, number
+from toolpace.deflection.following.law import law_of, read_law, write_law
+from toolpace.deflection.following.samples import FollowedJoints, followed_joints_of, samples_of
+from toolpace.deflection.following.signals import Measurement, SetPoint, Status
 from toolpace.kernels.follow import layout
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
@@ -49,10 +45,10 @@ class Follower:
         Of Limits in place of a machine only the pace follows: without kinematics nothing can be measured of a tool. All
         of the reserve is then for changes of pace.
         """
-        known = Figures.__dataclass_fields__
+        names = Figures.__dataclass_fields__
         for name in figures:
-            if name not in known:
-                raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, known)}")
+            if name not in names:
+                raise UsageError(f"follower: unknown argument '{name}'; {did_you_mean(name, names)}")
         if not isinstance(trajectory, Trajectory):
             raise UsageError(
                 f"follower: {type(trajectory).__name__} in place of a trajectory; give what plan returns"

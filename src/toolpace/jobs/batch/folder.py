@@ -14,14 +14,14 @@ from urllib.parse import quote
 
 import msgspec
 
-from toolpace.common.description import counted
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.common.units import format_time
-from toolpace.common.version import __version__
+from toolpace.common.value_objects import counted
 from toolpace.jobs.batch.job import BAD, ERROR, GOOD, WAITING, BatchRow
 from toolpace.jobs.batch.work import INSPECTED, MARK, TIMED, Place
-from toolpace.kernels.lock import FileLock
+from toolpace.kernels.lock import FileLock, NoLocksError
 from toolpace.results.report import shell
 from toolpace.results.report.words import at_most, limit_words, percent
 
@@ -55,13 +55,21 @@ def batch_folder(out: str | os.PathLike[str]) -> Iterator[Place]:
         folder.mkdir(parents=True, exist_ok=True)
         mark = folder.resolve() / MARK
         with FileLock(mark) as lock:
-            if not lock.take():
+            if not _taken(lock):
                 raise UsageError(f"{out}: another batch writes there now; wait for it, or give another folder")
             if not mark.read_text(encoding="ascii"):
                 mark.write_text(secrets.token_hex(16), encoding="ascii")
             yield Place(str(mark.parent), mark.read_text(encoding="ascii"))
     except (OSError, ValueError) as error:
         raise UsageError(f"{out}: cannot be written: {reason(error)}; give another folder") from None
+
+
+def _taken(lock: FileLock) -> bool:
+    """Whether the folder is ours; so too where there are no locks and nobody can be kept out."""
+    try:
+        return lock.take()
+    except NoLocksError:
+        return True
 
 
 def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:

@@ -59,9 +59,10 @@ class BatchJob:
     dt: float = 1e-3
     """Time between set-points [s]."""
     csv: bool = False
-    npz: bool = True
+    npz: str | bool = "auto"
+    """How set-points are written: full, compact, auto or no; True is full, and False is no."""
     report: bool = True
-    """Which files are written beside plan.json."""
+    """Which other files are written beside plan.json."""
     dialect: str | None = None
     controller: str | None = None
     setup: str | None = None
@@ -82,6 +83,7 @@ class BatchJob:
     """Options of that target, as `tp.export` has them."""
 
     def __post_init__(self) -> None:
+        from toolpace.motion.files.set_point_files import form_named
         from toolpace.planning.planner import PLANNERS
         from toolpace.planning.program_plan import EFFORTS
 
@@ -101,7 +103,8 @@ class BatchJob:
             raise UsageError(f"prove_within goes with the planner 'optimal'; '{self.planner}' has no lower bound")
         if (self.to is None) != (self.what != "export"):
             raise UsageError("what = export goes with `to`, the target, and `to` with it alone")
-        if self.what == "export" and not self.npz:
+        object.__setattr__(self, "npz", form_named("npz =", self.npz))
+        if self.what == "export" and self.npz == "no":
             raise UsageError("what = export needs set-points: leave npz as it is")
         self._check_words()
 

@@ -21,10 +21,10 @@ from typing import Any
 from toolpace.common import units
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import is_folder
-from toolpace.common.files.tables import TableFile, Tables
+from toolpace.common.files.toml import TableFile, Tables
 from toolpace.jobs.batch.job import BatchJob
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.dialect import SUFFIXES
+from toolpace.programs.reading.languages import SUFFIXES
 
 FILE = TableFile("file of jobs", longest=10_000_000)
 MOST = 1_000_000
@@ -43,9 +43,9 @@ UNITS: dict[str, Callable[[str], float]] = {
 """Keys that are quantities, written with their units."""
 WORDS = (
     "what", "planner", "effort", "feed", "bend", "dialect", "controller", "setup", "compensation", "model", "to",
-    "machine", "columns", "units",
+    "machine", "columns", "units", "npz",
 )  # fmt: skip
-SWITCHES = ("csv", "npz", "report", "skip_unknown", "lenient", "optimum")
+SWITCHES = ("csv", "report", "skip_unknown", "lenient", "optimum")
 KEYS = ("programs", *dict.fromkeys((*WORDS, *UNITS, *SWITCHES)), "max_blocks", "export")
 
 
@@ -150,6 +150,8 @@ class _File(Tables):
         if key in SWITCHES:
             if not isinstance(value, bool):
                 self.fail(place, f"{key} = {value!r:.40}: write true or false")
+            return value
+        if key == "npz" and isinstance(value, bool):
             return value
         if key == "max_blocks":
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:

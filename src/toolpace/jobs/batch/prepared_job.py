@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from toolpace.common.version import __version__
+from toolpace.common import __version__
 from toolpace.jobs.batch.job import BatchJob
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine

@@ -100,7 +100,7 @@ def _plan(folder: Path, prepared: Prepared) -> BatchRow:
         dt=job.dt,
         csv=job.csv,
         report=job.report,
-        npz=job.npz,
+        npz=str(job.npz),
         tool=prepared.tool,
         source=prepared.source,
     )

@@ -11,8 +11,6 @@ import numpy as np
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
-DEGREE = 5
-
 
 @jit()
 def basis(t: Floats, i: int, x: float, order: int, out: Floats) -> None:

@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
-from toolpace.kernels.follow.jerk_limited import stop
+from toolpace.kernels.follow.correction import stop
 from toolpace.kernels.follow.layout import (
     ABSURD,
     AIM,
@@ -66,7 +66,7 @@ from toolpace.kernels.follow.layout import (
     TIP,
     WITH_TOOL,
 )
-from toolpace.kernels.follow.path import longer_at, place_on_path
+from toolpace.kernels.follow.pace import longer_at, place_on_path
 from toolpace.kernels.jit import jit
 from toolpace.kernels.kinematics.chain import dot, forward, linear_columns, reciprocal, turn
 from toolpace.kernels.kinematics.geometry import A0, C2, U1, U2, Chain
@@ -76,28 +76,28 @@ MOST_TILT = 0.5
 
 
 @jit()
-def take(piece: Floats, state: Floats, given: Floats) -> int:
+def take(piece: Floats, state: Floats, inputs: Floats) -> int:
     """Take in what was measured (13,), nan where nothing was; returns what is to be said of it."""
-    by_tip = math.isfinite(given[TIP] + given[TIP + 1] + given[TIP + 2]) or known_deflection(given)
-    by_force = math.isfinite(given[FORCE] + given[FORCE + 1] + given[FORCE + 2]) and bends(piece)
-    if not (math.isfinite(given[MEASURED_AT]) and (by_tip or by_force)):
+    by_tip = math.isfinite(inputs[TIP] + inputs[TIP + 1] + inputs[TIP + 2]) or measures_deflection(inputs)
+    by_force = math.isfinite(inputs[FORCE] + inputs[FORCE + 1] + inputs[FORCE + 2]) and bends(piece)
+    if not (math.isfinite(inputs[MEASURED_AT]) and (by_tip or by_force)):
         return NOT_A_NUMBER
-    seen = (given[MEASURED_AT] - piece[DELAY]) / piece[PERIOD]
-    if given[MEASURED_AT] > state[NOW] + 1.5 * piece[PERIOD]:
+    seen = (inputs[MEASURED_AT] - piece[DELAY]) / piece[PERIOD]
+    if inputs[MEASURED_AT] > state[NOW] + 1.5 * piece[PERIOD]:
         return LATE
-    if (state[MEASURED] > 0.0 and given[MEASURED_AT] <= state[LAST_MEASURED]) or seen < state[STEPS] - LOOK_BACK + 2.0:
+    if (state[MEASURED] > 0.0 and inputs[MEASURED_AT] <= state[LAST_MEASURED]) or seen < state[STEPS] - LOOK_BACK + 2.0:
         return LATE
     remembered(piece, state, max(min(seen, state[STEPS]), 0.0))
     wanted = state[SCRATCH + 31 : SCRATCH + 36]
-    off = off_by_tip(piece, state, given, wanted) if by_tip else off_by_force(piece, state, given, wanted)
+    off = off_by_tip(piece, state, inputs, wanted) if by_tip else off_by_force(piece, state, inputs, wanted)
     if not off <= piece[BELIEVABLE]:
         return ABSURD
-    since = given[MEASURED_AT] - state[LAST_MEASURED] if state[MEASURED] > 0.0 else piece[PERIOD]
+    since = inputs[MEASURED_AT] - state[LAST_MEASURED] if state[MEASURED] > 0.0 else piece[PERIOD]
     first = state[MEASURED] == 0.0
-    state[MEASURED], state[LAST_MEASURED], state[LAST_COUNTED] = 1.0, given[MEASURED_AT], state[NOW]
+    state[MEASURED], state[LAST_MEASURED], state[LAST_COUNTED] = 1.0, inputs[MEASURED_AT], state[NOW]
     if piece[CAUSE] == DISPLACED and by_tip:
         return displace(piece, state, wanted, off)
-    by_axis = by_tip and counts_axis(piece, given)
+    by_axis = by_tip and counts_axis(piece, inputs)
     if by_axis:
         state[LAST_AXIS] = state[NOW]
     relax(piece, state, wanted, since, first, by_axis)
@@ -114,20 +114,20 @@ def bends(piece: Floats) -> bool:
 
 
 @jit(inline=True)
-def counts_axis(piece: Floats, given: Floats) -> bool:
+def counts_axis(piece: Floats, inputs: Floats) -> bool:
     """Whether an axis was measured, and the rotary joints are to be corrected by it."""
-    return piece[MOST_TURN] > 0.0 and math.isfinite(given[AXIS] + given[AXIS + 1] + given[AXIS + 2])
+    return piece[MOST_TURN] > 0.0 and math.isfinite(inputs[AXIS] + inputs[AXIS + 1] + inputs[AXIS + 2])
 
 
 @jit(inline=True)
-def known_deflection(given: Floats) -> bool:
+def measures_deflection(inputs: Floats) -> bool:
     """Whether what the tip is off by was measured itself."""
-    return math.isfinite(given[DEFLECTION] + given[DEFLECTION + 1] + given[DEFLECTION + 2])
+    return math.isfinite(inputs[DEFLECTION] + inputs[DEFLECTION + 1] + inputs[DEFLECTION + 2])
 
 
 @jit()
 def remembered(piece: Floats, state: Floats, step: float) -> None:
-    """Write the joints (5,) of a set-point that was given, between two of them, to scratch, and the chain with the tool
+    """Write the joints (5,) of an earlier set-point, between two of them, to scratch, and the chain with the tool
     that was in the spindle then."""
     before = min(int(step), max(int(state[STEPS]) - 1, 0))
     share = min(max(step - before, 0.0), 1.0)
@@ -168,19 +168,19 @@ def chain_with_tool(piece: Floats, state: Floats) -> Chain:
 
 
 @jit()
-def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> float:
+def off_by_tip(piece: Floats, state: Floats, inputs: Floats, wanted: Floats) -> float:
     """How far the joints (5,) must go to undo what tip and axis are off by; returns what the tip is off by [m]."""
     chain = chain_with_tool(piece, state)
     tip, axis = state[SCRATCH + 5 : SCRATCH + 8], state[SCRATCH + 8 : SCRATCH + 11]
     q = state[SCRATCH : SCRATCH + 5]
     forward(chain, q.reshape((1, 5)), tip.reshape((1, 3)), axis.reshape((1, 3)))
-    direct = known_deflection(given)
+    direct = measures_deflection(inputs)
     for d in range(3):
-        tip[d] = given[DEFLECTION + d] if direct else given[TIP + d] - tip[d]
+        tip[d] = inputs[DEFLECTION + d] if direct else inputs[TIP + d] - tip[d]
     off = math.sqrt(dot(tip, tip))
     first, second = 0.0, 0.0
-    if counts_axis(piece, given):
-        first, second = turns_for(piece, state, given, axis)
+    if counts_axis(piece, inputs):
+        first, second = turns_for(piece, state, inputs, axis)
         if math.isnan(first):
             return math.inf
     wanted[chain.place[0]], wanted[chain.place[1]] = first, second
@@ -201,7 +201,7 @@ def off_by_tip(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> f
 
 
 @jit()
-def turns_for(piece: Floats, state: Floats, given: Floats, axis: Floats) -> tuple[float, float]:
+def turns_for(piece: Floats, state: Floats, inputs: Floats, axis: Floats) -> tuple[float, float]:
     """Turns of both rotary joints that undo what the axis is off by, in least squares damped by the tolerance of the
     axis: near its pole, where a joint turns far for next to nothing, it stays (Wampler 1986). Nan where that is not to
     be believed."""
@@ -222,7 +222,7 @@ def turns_for(piece: Floats, state: Floats, given: Floats, axis: Floats) -> tupl
     turn(u1, s1, k1, two, two)
     off = state[SCRATCH + 17 : SCRATCH + 20]
     for d in range(3):
-        off[d] = axis[d] - given[AXIS + d]
+        off[d] = axis[d] - inputs[AXIS + d]
     least = piece[AXIS_TOLERANCE]
     if dot(off, off) <= least * least:
         return 0.0, 0.0
@@ -249,14 +249,14 @@ def by_linear(chain: Chain, state: Floats, off: Floats, wanted: Floats) -> None:
 
 
 @jit()
-def off_by_force(piece: Floats, state: Floats, given: Floats, wanted: Floats) -> float:
+def off_by_force(piece: Floats, state: Floats, inputs: Floats, wanted: Floats) -> float:
     """The same for the bending that a force on the tool (3,) [N], in the frame of the workpiece, makes of it."""
     chain = chain_with_tool(piece, state)
     q = state[SCRATCH : SCRATCH + 5]
     first, second = q[chain.place[0]], q[chain.place[1]]
     local, bent = state[SCRATCH + 5 : SCRATCH + 8], state[SCRATCH + 8 : SCRATCH + 11]
     for d in range(3):
-        local[d] = given[FORCE + d]
+        local[d] = inputs[FORCE + d]
     turn(chain.frame[U1], -math.sin(first), math.cos(first), local, local)
     turn(chain.frame[U2], -math.sin(second), math.cos(second), local, local)
     for d in range(3):

@@ -1,4 +1,9 @@
-"""The clock rate of a follower, changed only where path and change together keep the limits.
+"""The path in time of a follower, and the clock rate along it, changed only within the limits.
+
+The path is a uniform cubic B-spline with its samples as control points. Each derivative of such a spline is a mean of
+the differences of the samples, and these are means of the derivative sampled: so it passes no limit that the motion
+keeps, at any time. It leaves the samples by a sixth of their second difference (Schoenberg 1946; de Boor, A Practical
+Guide to Splines, chapter IX).
 
 With the pace p = d tau / dt a joint has, of its path's derivatives by tau,
 
@@ -27,15 +32,20 @@ from toolpace.kernels.follow.layout import (
     COMMITTED,
     DURATION,
     FINAL,
+    FROM,
     GOAL,
     JOINTS,
+    LONGER,
     PACE,
     PATH,
     PERIOD,
     ROOM,
     SAMPLES,
     SEGMENTS,
+    STEP,
     TAU,
+    TOOL_COLUMNS,
+    TOOLS,
     WAY,
 )
 from toolpace.kernels.jit import jit
@@ -54,6 +64,80 @@ DIP = 0.01
 SAME = 1e-9
 """Paces that count as one."""
 
+Ramp = tuple[float, float, float, float, float]
+"""Sign of the first jerk; times of jerk, of none, and of jerk against it [s]; the way [m]."""
+
+
+@jit()
+def place_on_path(piece: Floats, tau: float, column: int, out: Floats) -> None:
+    """Value and three derivatives by the time of the path (4,) of one column at a time [s]."""
+    h = piece[STEP]
+    last = int(piece[SAMPLES]) - 1
+    x = min(max(tau / h, 0.0), float(last))
+    i = min(int(x), last - 1)
+    u = x - i
+    at = PATH + i * COLUMNS + column
+    a, b, c, d = piece[at], piece[at + COLUMNS], piece[at + 2 * COLUMNS], piece[at + 3 * COLUMNS]
+    first = ((b - a), (c - b), (d - c))
+    second = (first[1] - first[0], first[2] - first[1])
+    w = 1.0 - u
+    # about the control point that is nearest, so that no digits are lost
+    out[0] = (
+        b
+        + (w * w * w * (a - b) + (1.0 + 3.0 * u + 3.0 * u * u - 3.0 * u * u * u) * (c - b) + u * u * u * (d - b)) / 6.0
+    )
+    out[1] = (0.5 * w * w * first[0] + (0.5 + u - u * u) * first[1] + 0.5 * u * u * first[2]) / h
+    out[2] = (w * second[0] + u * second[1]) / (h * h)
+    out[3] = (second[1] - second[0]) / (h * h * h)
+
+
+@jit()
+def cell_at(piece: Floats, tau: float) -> int:
+    """First place in the piece of the cell that a time of the path lies in."""
+    count = int(piece[CELLS])
+    k = min(max(int(tau / piece[CELL]), 0), count - 1)
+    return PATH + (int(piece[SAMPLES]) + 3) * COLUMNS + k * CELL_COLUMNS
+
+
+@jit()
+def longer_at(piece: Floats, tau: float) -> float:
+    """By how much the tool in the spindle at a time of the path is longer than that of the machine file [m]."""
+    table = PATH + (int(piece[SAMPLES]) + 3) * COLUMNS + int(piece[CELLS]) * CELL_COLUMNS
+    low, high = 0, int(piece[TOOLS])
+    while high - low > 1:
+        middle = (low + high) // 2
+        if piece[table + middle * TOOL_COLUMNS + FROM] <= tau:
+            low = middle
+        else:
+            high = middle
+    longer: float = piece[table + low * TOOL_COLUMNS + LONGER]
+    return longer
+
+
+@jit(inline=True)
+def ramp(v0: float, a0: float, v1: float, most: float, jerk: float) -> Ramp:
+    """The quickest change from velocity v0 and acceleration a0 to v1 and none; `most` is the limit of acceleration."""
+    left = v1 - (v0 + 0.5 * a0 * abs(a0) / jerk)
+    sign = 1.0 if left > 0.0 or (left == 0.0 and a0 < 0.0) else -1.0
+    peak = math.sqrt(max(sign * jerk * (v1 - v0) + 0.5 * a0 * a0, 0.0))
+    even = 0.0
+    if peak > most:
+        even = (sign * (v1 - v0) - (most * most - 0.5 * a0 * a0) / jerk) / most
+        peak = most
+    first = max((peak - sign * a0) / jerk, 0.0)
+    last = peak / jerk
+    even = max(even, 0.0)
+    x, v, a = moved(0.0, v0, a0, sign * jerk, first)
+    x, v, a = moved(x, v, a, 0.0, even)
+    x, v, a = moved(x, v, a, -sign * jerk, last)
+    return sign, first, even, last, x
+
+
+@jit(inline=True)
+def moved(x: float, v: float, a: float, jerk: float, t: float) -> tuple[float, float, float]:
+    """Position, velocity and acceleration after a time t of constant jerk."""
+    return x + t * (v + t * (0.5 * a + t * jerk / 6.0)), v + t * (a + 0.5 * t * jerk), a + t * jerk
+
 
 @jit()
 def change_of_pace(begin: float, change: float, end: float, bend: float, out: Floats, at: int) -> None:
@@ -62,16 +146,10 @@ def change_of_pace(begin: float, change: float, end: float, bend: float, out: Fl
     bend: most second derivative; the change is at most the root of a quarter of it, so that it counts as little.
     """
     steep = max(0.5 * math.sqrt(bend), abs(change))
-    left = end - (begin + 0.5 * change * abs(change) / bend)
-    sign = 1.0 if left > 0.0 or (left == 0.0 and change < 0.0) else -1.0
-    peak = math.sqrt(max(sign * bend * (end - begin) + 0.5 * change * change, 0.0))
-    even = 0.0
-    if peak > steep:
-        peak = steep
-        even = max((sign * (end - begin) - (peak * peak - 0.5 * change * change) / bend) / peak, 0.0)
-    out[at], out[at + 1] = max((peak - sign * change) / bend, 0.0), sign * bend
+    sign, first, even, last, _ = ramp(begin, change, end, steep, bend)
+    out[at], out[at + 1] = first, sign * bend
     out[at + 2], out[at + 3] = even, 0.0
-    out[at + 4], out[at + 5] = peak / bend, -sign * bend
+    out[at + 4], out[at + 5] = last, -sign * bend
 
 
 @jit()

@@ -1,4 +1,4 @@
-"""One step of a follower: from a measurement to the next set-point.
+"""One step of a follower: from a measurement to the next set-point; and its C interface.
 
 step: a piece, its state, a measurement
   the measurement is taken in, or why it is not is said
@@ -12,7 +12,9 @@ step: a piece, its state, a measurement
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import numba
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
@@ -35,6 +37,7 @@ from toolpace.kernels.follow.layout import (
     HELD,
     HISTORY,
     HOLD,
+    INPUTS,
     JOINTS,
     LAST_AXIS,
     LAST_COUNTED,
@@ -46,6 +49,7 @@ from toolpace.kernels.follow.layout import (
     NOW,
     OUT_CORRECTION,
     OUT_PACE,
+    OUTPUTS,
     OVERRIDE,
     OVERRIDE_CUT,
     PACE,
@@ -57,6 +61,7 @@ from toolpace.kernels.follow.layout import (
     SCRATCH,
     SLOWED,
     STALE,
+    STATE,
     STATUS,
     STEPS,
     STOPPED,
@@ -66,8 +71,7 @@ from toolpace.kernels.follow.layout import (
     WAIT,
     Q,
 )
-from toolpace.kernels.follow.pace import begin, commit, keep_pace
-from toolpace.kernels.follow.path import place_on_path
+from toolpace.kernels.follow.pace import begin, commit, keep_pace, place_on_path
 from toolpace.kernels.jit import jit
 
 NOTCHES = 16.0
@@ -77,20 +81,23 @@ SETTLES = 0.2
 LEAST = 0.02
 """Share of the feed up to which nothing is taken off the pace."""
 MOST_OVERRIDE = 1.2
+"""Highest override that counts; what is above it is cut, and said."""
+TYPES: Any = numba.types
+POINTER = TYPES.CPointer(TYPES.float64)
 
 
 @jit()
-def step(piece: Floats, state: Floats, given: Floats, out: Floats) -> None:
-    """Write the next set-point (layout.OUTPUTS,); `given` (layout.INPUTS,) has nan for what was not measured."""
+def step(piece: Floats, state: Floats, inputs: Floats, out: Floats) -> None:
+    """Write the next set-point (layout.OUTPUTS,); `inputs` (layout.INPUTS,) has nan for what was not measured."""
     status = 0
-    if measured_something(given):
-        status |= take(piece, state, given)
+    if measured_something(inputs):
+        status |= take(piece, state, inputs)
     status |= grow_old(piece, state)
     status |= supervise(piece, state)
-    asked = allowed(given[OVERRIDE])
-    if asked != given[OVERRIDE]:
+    requested = allowed(inputs[OVERRIDE])
+    if requested != inputs[OVERRIDE]:
         status |= OVERRIDE_CUT
-    wanted, slowed = wanted_pace(piece, state, asked)
+    wanted, slowed = wanted_pace(piece, state, requested)
     status |= slowed
     begin(state, wanted)
     commit(piece, state, wanted)
@@ -103,36 +110,36 @@ def step(piece: Floats, state: Floats, given: Floats, out: Floats) -> None:
 
 
 @jit()
-def measured_something(given: Floats) -> bool:
+def measured_something(inputs: Floats) -> bool:
     """Whether anything but the override is given."""
     something = False
     for k in range(OVERRIDE):
-        something |= not math.isnan(given[k])
+        something |= not math.isnan(inputs[k])
     return something
 
 
 @jit()
 def grow_old(piece: Floats, state: Floats) -> int:
-    """Hold the aim for a while without measurements, then let it fade; returns what is to be said.
+    """Hold the aim for a while without measurements, then let it fade; returns the bits of the status.
 
-    The rotary joints go by when an axis was given, the linear ones by when anything was, however old it was then.
+    The rotary joints go by when an axis was measured, the linear ones by when anything was, however old it was then.
     """
     if state[MEASURED] == 0.0:
         return 0
     place = piece[PLACE : PLACE + 5].view(np.int64)
-    said, kept = 0, math.exp(-piece[PERIOD] / piece[FADE])
+    status, kept = 0, math.exp(-piece[PERIOD] / piece[FADE])
     for k in range(JOINTS):
         aim = AIM + place[k]
         late = state[NOW] - state[LAST_AXIS if k < 2 else LAST_COUNTED] - piece[DELAY] - 0.5 * piece[PERIOD]
         if late <= 0.0 or (k < 2 and state[aim] == 0.0):
             continue
-        said |= STALE
+        status |= STALE
         if late > piece[HOLD]:
-            said |= FADED
+            status |= FADED
             state[aim] *= kept
             if k >= 2:
                 state[FULL] = 0.0
-    return said
+    return status
 
 
 @jit()
@@ -141,8 +148,8 @@ def supervise(piece: Floats, state: Floats) -> int:
     state[FULL_FOR] = state[FULL_FOR] + piece[PERIOD] if state[FULL] > 0.0 else 0.0
     if state[FULL_FOR] > piece[PATIENCE]:
         state[STOPPED] = 1.0
-    said = AT_LIMIT if state[FULL] > 0.0 else 0
-    return said | STOPPING if state[STOPPED] > 0.0 else said
+    status = AT_LIMIT if state[FULL] > 0.0 else 0
+    return status | STOPPING if state[STOPPED] > 0.0 else status
 
 
 @jit(inline=True)
@@ -152,8 +159,8 @@ def allowed(override: float) -> float:
 
 
 @jit()
-def wanted_pace(piece: Floats, state: Floats, asked: float) -> tuple[float, int]:
-    """The pace that is wanted, and whether it is less than what was asked."""
+def wanted_pace(piece: Floats, state: Floats, requested: float) -> tuple[float, int]:
+    """The pace that is wanted, and whether it is less than what was requested."""
     if state[STOPPED] > 0.0:
         return 0.0, 0
     needed = feed_of_correction(piece, state)
@@ -168,12 +175,12 @@ def wanted_pace(piece: Floats, state: Floats, asked: float) -> tuple[float, int]
     notches = math.ceil(state[NEEDED] * NOTCHES) if state[NEEDED] > LEAST else 0.0
     if notches == 0.0 or not -1.5 < notches - NOTCHES * state[TAKEN_OFF] < 0.5:
         state[TAKEN_OFF] = notches / NOTCHES
-    return asked * (1.0 - state[TAKEN_OFF]), SLOWED if state[TAKEN_OFF] > 0.0 else 0
+    return requested * (1.0 - state[TAKEN_OFF]), SLOWED if state[TAKEN_OFF] > 0.0 else 0
 
 
 @jit()
 def write(piece: Floats, state: Floats, out: Floats) -> int:
-    """Write path and correction together, and remember them; returns what is to be said."""
+    """Write path and correction together, and remember them; returns the bits of the status."""
     tau, pace, change, bend = state[TAU], state[PACE], state[CHANGE], state[BEND]
     memory = HISTORY + (int(state[STEPS]) % LOOK_BACK) * MEMORY
     state[memory] = tau
@@ -191,5 +198,19 @@ def write(piece: Floats, state: Floats, out: Floats) -> int:
             out[OUT_CORRECTION + k * JOINTS + j] = state[own + k]
     place_on_path(piece, tau, JOINTS, on_path)
     out[AT], out[PATH_TIME], out[PARAMETER], out[OUT_PACE] = state[NOW], tau * piece[NOMINAL], on_path[0], pace
-    said = ENDED if tau >= piece[DURATION] else 0
-    return said | HELD if pace == 0.0 else said
+    status = ENDED if tau >= piece[DURATION] else 0
+    return status | HELD if pace == 0.0 else status
+
+
+def step_for_c() -> Any:
+    """Compile the door; `address` of what is returned is the function's, good as long as that lives."""
+
+    def door(piece: Any, length: Any, state: Any, inputs: Any, out: Any) -> None:
+        step(
+            numba.carray(piece, (length,)),
+            numba.carray(state, (STATE,)),
+            numba.carray(inputs, (INPUTS,)),
+            numba.carray(out, (OUTPUTS,)),
+        )
+
+    return numba.cfunc(TYPES.void(POINTER, TYPES.int64, POINTER, POINTER, POINTER))(door)

@@ -8,10 +8,9 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats
 from toolpace.kernels.jit import jit
-from toolpace.kernels.kinematics.branches import wrapped
+from toolpace.kernels.kinematics.branches import SLACK, TURN, wrapped
 from toolpace.kernels.kinematics.chain import second_angle, turn
 from toolpace.kernels.kinematics.geometry import U1
-from toolpace.kernels.kinematics.states import SLACK, TURN
 
 
 @jit()

@@ -1,4 +1,4 @@
-"""The entry of a block into the queue, with the rounding of the corner before it."""
+"""The queue of LinuxCNC's planner: a block enters with the corner before it, and final speeds are planned backwards."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from toolpace.kernels.jit import jit
 from toolpace.kernels.linuxcnc.blocks import (
     ACCELERATION,
     ARC,
-    ASKED,
     BLOCK,
     COLUMNS,
+    DONE,
     ENDING,
+    FINAL,
     FIXED,
     KIND,
     KINK,
@@ -21,25 +22,29 @@ from toolpace.kernels.linuxcnc.blocks import (
     LENGTH,
     NOMINAL,
     OF_ACCELERATION,
-    OF_ASKED,
     OF_ENDING,
     OF_KIND,
     OF_LENGTH,
     OF_RADIUS,
     OF_RAPID,
+    OF_REQUESTED,
     OF_SWEEP,
     OF_TOLERANCE,
     OF_TOP,
     OF_TURNS,
     OVERLAPPED,
+    OVERLAPPING,
     OVERLAPS,
+    PEAK,
     PERIOD,
     RADIUS,
     RAPID,
+    REQUESTED,
     REST,
     RISE,
     ROUNDING,
     SIDEWAYS,
+    SPLIT,
     SWEEP,
     TANGENT,
     TANGENT_SHARE,
@@ -49,11 +54,20 @@ from toolpace.kernels.linuxcnc.blocks import (
     TURNS,
     Blocks,
     Control,
+    acceleration_of,
+    dot,
     end_with,
+    most_speed,
+    of_block,
 )
-from toolpace.kernels.linuxcnc.lookahead import look_back
 from toolpace.kernels.linuxcnc.meeting import meet
-from toolpace.kernels.linuxcnc.vectors import dot, of_block
+
+SHORTEST = 1.02
+"""Cycles of the shortest segment."""
+PEAKS = 4
+"""Peaks of the plan behind which looking back ends."""
+BEGUN = 0.25
+"""Share of a segment that is done from which on its end is not planned anew."""
 
 
 @jit()
@@ -76,7 +90,7 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
         clear(q, at)
         q[at, BLOCK], q[at, RAPID], q[at, KIND], q[at, ENDING] = block, rapid, ROUNDING, TANGENT
         q[at, LENGTH] = rounding.radius * rounding.angle + (rest if taken else 0.0)
-        q[at, NOMINAL], q[at, TOP], q[at, ASKED] = q[at, LENGTH], rounding.speed, rounding.asked
+        q[at, NOMINAL], q[at, TOP], q[at, REQUESTED] = q[at, LENGTH], rounding.speed, rounding.requested
         q[at, ACCELERATION], q[at, TANGENT_SHARE] = rounding.acceleration, TANGENTIAL
         q[at, KINK], q[at, PERIOD] = -1.0, control.cycle
         fix(q, at, control)
@@ -94,7 +108,7 @@ def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
     q[new, RAPID] = b.figures[j, OF_RAPID]
     q[new, TURNS] = b.figures[j, OF_TURNS]
     q[new, LENGTH] = q[new, NOMINAL] = b.figures[j, OF_LENGTH]
-    q[new, ASKED], q[new, TOP] = b.figures[j, OF_ASKED], b.figures[j, OF_TOP]
+    q[new, REQUESTED], q[new, TOP] = b.figures[j, OF_REQUESTED], b.figures[j, OF_TOP]
     q[new, ACCELERATION] = b.figures[j, OF_ACCELERATION]
     q[new, TANGENT_SHARE], q[new, TOLERANCE], q[new, KINK] = TANGENTIAL, b.figures[j, OF_TOLERANCE], -1.0
     q[new, PERIOD] = control.cycle
@@ -145,3 +159,47 @@ def fix(q: Floats, k: int, control: Control) -> None:
     q[k, TOP] = min(q[k, TOP], q[k, LENGTH] / control.cycle)
     bend(q, k)
     q[k, FIXED] = 1.0
+
+
+@jit()
+def look_back(q: Floats, head: int, tail: int, control: Control) -> None:
+    """Plan final speeds from the end of the queue backwards, as deep as the control looks ahead."""
+    peaks = 0
+    past = False
+    for x in range(1, control.depth + 2):
+        s = tail - x
+        k = s - 1
+        if k < head:
+            return
+        if q[k, ENDING] != TANGENT:
+            if past:
+                return
+            past = True
+            continue
+        if q[k, DONE] >= BEGUN * q[k, LENGTH] or q[k, SPLIT] or q[k, OVERLAPPING]:
+            return
+        if q[s, FIXED]:
+            plan_end(q, k, s, control)
+        else:
+            # up to half of the last segment may still be cut: stop in the middle of it
+            half = math.sqrt(acceleration_of(q, s) * q[s, LENGTH])
+            q[k, FINAL] = min(q[k, TOP], min(half, most_speed(q, s, control, control.override)))
+            q[s, FINAL] = 0.0
+        if q[s, PEAK]:
+            peaks += 1
+        if peaks > PEAKS:
+            return
+
+
+@jit(inline=True)
+def plan_end(q: Floats, k: int, s: int, control: Control) -> None:
+    """Most final speed of segment k from which the next, s, gets down to its own."""
+    speed = math.sqrt(q[s, FINAL] ** 2 + 2.0 * acceleration_of(q, s) * q[s, LENGTH])
+    most = min(q[s, TOP], q[k, TOP])
+    if q[k, KINK] >= 0.0:
+        most = min(most, q[k, KINK])
+    if speed >= most:
+        speed = most
+        q[k, PEAK] = 1.0
+    q[k, FINAL] = speed
+    q[s, TOP] = min(q[s, TOP], q[s, LENGTH] / (SHORTEST * control.cycle))

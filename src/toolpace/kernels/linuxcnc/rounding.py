@@ -1,35 +1,83 @@
-"""Arcs that round corners between lines and arcs within a tolerance."""
+"""Arcs that round corners between lines and arcs within a tolerance, as LinuxCNC's planner places them.
+
+Both segments are seen as lines towards the corner; where one is an arc, the circle is the one tangent to both.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.linuxcnc.blocks import (
     ARC,
     BEGIN,
+    CENTRE,
+    CORNER,
     END,
     KIND,
     LENGTH,
     LINE,
     NOMINAL,
+    NORMAL,
+    OF_SWEEP,
+    ORIGIN,
     SIDEWAYS,
     SWEEP,
     TOLERANCE,
     TOP,
     Blocks,
     Control,
+    Vector,
+    across,
+    along,
+    between,
+    dot,
+    from_to,
     most_speed,
+    norm,
+    of_block,
+    on_circle,
+    unit,
 )
-from toolpace.kernels.linuxcnc.sides import SMALL_ANGLE, Rounding, Side, arc_side, in_its_plane, leaving, no_rounding
-from toolpace.kernels.linuxcnc.touching import placed
-from toolpace.kernels.linuxcnc.vectors import Vector, across, dot, of_block
 
 SMALL_ARC = 1e-6
 """[mm]"""
 MOST_OF_TOLERANCE = 0.25
 """Share of a block's length that a rounding may leave the corner by where no tolerance is given."""
+SMALL_ANGLE = 1e-6
+"""Between ways that count as one, or as turned back [rad]."""
+TANGENT_ERROR = 0.25
+"""Share of the normal acceleration that a rounding's error of tangent may take within a cycle."""
+
+
+class Rounding(NamedTuple):
+    """A rounding that can be, and what it leaves of both segments."""
+
+    speed: float
+    """Most speed on it."""
+    requested: float
+    acceleration: float
+    radius: float
+    angle: float
+    first: float
+    """What is left of the segment before it: a length, or the sweep of an arc."""
+    second: float
+
+
+class Side(NamedTuple):
+    """One of both segments, as a line towards the corner or away from it."""
+
+    direction: Vector
+    """Of its chord."""
+    reach: float
+    """Most length along it."""
+    lean: float
+    """By how much the chord closes the half angle."""
+    convex: bool
+    most: float
+    """Of an arc: most sweep that may be cut."""
 
 
 @jit()
@@ -81,7 +129,7 @@ def plan_of(
     phi = math.pi - 2.0 * half
     most = in_plane(binormal, control.acceleration)
     normal_most = SIDEWAYS * most
-    asked = max(most_speed(q, k, control, 1.0), most_speed(q, new, control, 1.0))
+    requested = max(most_speed(q, k, control, 1.0), most_speed(q, new, control, 1.0))
     goal = max(most_speed(q, k, control, control.override), most_speed(q, new, control, control.override))
     planar = in_plane(binormal, control.velocity)
     if lines:
@@ -95,7 +143,7 @@ def plan_of(
     radius = max(speed * speed / normal_most, min(time * speed / phi, widest))
     if radius < 1e-12 or radius * phi < SMALL_ARC:
         return False, no_rounding()
-    return True, Rounding(speed, asked, most, radius, phi, 0.0, 0.0)
+    return True, Rounding(speed, requested, most, radius, phi, 0.0, 0.0)
 
 
 @jit(inline=True)
@@ -115,3 +163,127 @@ def in_plane(normal: Vector, limits: Floats) -> float:
     for i in range(3):
         found = min(found, limits[i] / max(math.sqrt(max(1.0 - normal[i] ** 2, 0.0)), 1e-12))
     return found
+
+
+@jit(inline=True)
+def no_rounding() -> Rounding:
+    """In place of one that cannot be."""
+    return Rounding(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@jit(inline=True)
+def leaving(plan: Rounding, radius: float, angle: float, first: float, second: float) -> Rounding:
+    """A rounding as it was placed."""
+    return Rounding(plan.speed, plan.requested, plan.acceleration, radius, angle, first, second)
+
+
+@jit()
+def arc_side(b: Blocks, j: int, j1: int, sweep: float, theta: float, ends: bool) -> Side:
+    """An arc that ends in the corner at the start of block j1, or starts there; sweep is what is left of it."""
+    corner, centre = of_block(b, j1, CORNER), of_block(b, j, CENTRE)
+    spoke = from_to(centre, corner)
+    tangent = of_block(b, j, END) if ends else of_block(b, j, BEGIN)
+    other = of_block(b, j1, BEGIN) if ends else of_block(b, j1 - 1, END)
+    convex = (dot(spoke, other) < 0.0) == ends
+    most = min(sweep * (2.0 / 3.0 if ends else 1.0 / 3.0), theta if convex else math.pi / 2)
+    if not convex:
+        return Side(tangent, most * norm(spoke), 0.0, False, most)
+    # the chord of half of what may be cut
+    whole = b.figures[j, OF_SWEEP]
+    near = on_circle(b, j, whole - 0.5 * most if ends else whole - sweep + 0.5 * most)
+    chord = from_to(near, corner) if ends else from_to(corner, near)
+    return Side(unit(chord), math.sin(0.25 * most) * norm(spoke), 0.25 * most, True, most)
+
+
+@jit(inline=True)
+def in_its_plane(b: Blocks, q: Floats, k: int, j: int, binormal: Vector) -> bool:
+    """Whether a segment is a line, or an arc in the plane of the corner."""
+    if q[k, KIND] == LINE:
+        return True
+    off = 1.0 - abs(dot(binormal, of_block(b, j, NORMAL)))
+    return off < 0.5 * SMALL_ANGLE**2 + 1e-15
+
+
+@jit(inline=True)
+def placed(
+    b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, plan: Rounding, first: Side, second: Side,
+    tolerance: float, binormal: Vector, control: Control,
+) -> tuple[bool, Rounding]:  # fmt: skip
+    """The rounding where one side is an arc: its centre at its radius from both, and what is cut of them."""
+    found, spoke = centre_of(b, q, k, new, j0, j1, plan.radius, first, second, binormal)
+    if not found or norm(spoke) - plan.radius > tolerance:
+        return False, plan
+    corner = of_block(b, j1, CORNER)
+    centre = along(corner, 1.0, spoke)
+    # how far its tangents may be off those of the arcs
+    allowed = SIDEWAYS * TANGENT_ERROR * plan.acceleration * control.cycle / plan.speed
+    good, first_left, start = cut_off(b, q, k, j0, corner, centre, binormal, first.most, allowed, True)
+    fine, second_left, stop = cut_off(b, q, new, j1, corner, centre, binormal, second.most, allowed, False)
+    angle = between(start, stop)
+    radius = 0.5 * (norm(start) + norm(stop))
+    return good and fine and angle > SMALL_ANGLE, leaving(plan, radius, angle, first_left, second_left)
+
+
+@jit()
+def cut_off(
+    b: Blocks, q: Floats, s: int, j: int, corner: Vector, centre: Vector, binormal: Vector, most: float, allowed: float,
+    ends: bool,
+) -> tuple[bool, float, Vector]:  # fmt: skip
+    """Whether a rounding about a centre may touch segment s, what it leaves of it, and the spoke to where it does."""
+    if q[s, KIND] == LINE:
+        way = of_block(b, j, END)
+        cut = abs(dot(from_to(corner, centre), way))
+        return True, q[s, LENGTH] - cut, from_to(centre, along(corner, -cut if ends else cut, way))
+    own = of_block(b, j, CENTRE)
+    cut = between(from_to(own, corner), from_to(own, centre))
+    left = q[s, SWEEP] - cut
+    whole = b.figures[j, OF_SWEEP]
+    place = on_circle(b, j, whole - cut if ends else whole - left)
+    spoke = from_to(centre, place)
+    tangent = across(of_block(b, j, NORMAL), from_to(own, place))
+    return cut <= most and between(across(binormal, spoke), tangent) <= allowed, left, spoke
+
+
+@jit(inline=True)
+def centre_of(
+    b: Blocks, q: Floats, k: int, new: int, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
+) -> tuple[bool, Vector]:
+    """From the corner to the centre of a circle that touches both sides."""
+    if q[k, KIND] == ARC and q[new, KIND] == ARC:
+        return between_arcs(b, j0, j1, radius, first, second, binormal)
+    line_first = q[k, KIND] == LINE
+    side = first if line_first else second
+    arc = second if line_first else first
+    to_arc = from_to(of_block(b, j1, CORNER), of_block(b, j1 if line_first else j0, CENTRE))
+    distance = norm(to_arc) + (-radius if arc.convex else radius)
+    inwards = across(binormal, side.direction)
+    forth, over = dot(to_arc, side.direction), dot(to_arc, inwards)
+    rest = distance**2 - (radius - over) ** 2
+    if rest < 0.0:
+        return False, to_arc
+    root = math.sqrt(rest)
+    cut = min(abs(-forth + root), abs(-forth - root))
+    back = along(ORIGIN, -cut if line_first else cut, side.direction)
+    return True, along(back, radius, inwards)
+
+
+@jit(inline=True)
+def between_arcs(
+    b: Blocks, j0: int, j1: int, radius: float, first: Side, second: Side, binormal: Vector
+) -> tuple[bool, Vector]:
+    """The same where both sides are arcs: the nearer of two circles."""
+    corner, centre0, centre1 = of_block(b, j1, CORNER), of_block(b, j0, CENTRE), of_block(b, j1, CENTRE)
+    apart = from_to(centre0, centre1)
+    gap = norm(apart)
+    d0 = norm(from_to(centre0, corner)) + (-radius if first.convex else radius)
+    d1 = norm(from_to(centre1, corner)) + (-radius if second.convex else radius)
+    if gap < 1e-12:
+        return False, apart
+    forth = (d0 * d0 - d1 * d1 + gap * gap) / (2.0 * gap)
+    rest = d0 * d0 - forth * forth
+    if rest < 0.0:
+        return False, apart
+    aside = across(binormal, apart)
+    base = along(from_to(corner, centre0), forth, unit(apart))
+    one, other = along(base, math.sqrt(rest), aside), along(base, -math.sqrt(rest), aside)
+    return True, other if norm(other) < norm(one) else one

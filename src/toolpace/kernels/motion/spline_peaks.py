@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.motion.cell_time import floor_of
+from toolpace.kernels.motion.spline_law import floor_of
 from toolpace.kernels.motion.usage import HIGH, summit
 
 SPEED, ACCELERATION, JERK = 0, 1, 2
@@ -251,27 +251,27 @@ def _values_near(
     first = min(max(p - 2, 0), q.shape[2] - FIVE)
     if kind == SPEED:
         for i in range(LOOKS):
-            found[i] = abs(_told(q, 0, axis, first, weight, p, i) * state[V, i]) * share
+            found[i] = abs(_blend(q, 0, axis, first, weight, p, i) * state[V, i]) * share
     elif kind == ACCELERATION:
         for i in range(LOOKS):
-            v, q1, q2 = state[V, i], _told(q, 0, axis, first, weight, p, i), _told(q, 1, axis, first, weight, p, i)
+            v, q1, q2 = state[V, i], _blend(q, 0, axis, first, weight, p, i), _blend(q, 1, axis, first, weight, p, i)
             found[i] = abs(q2 * v * v + q1 * state[A, i]) * share
     else:
         for i in range(LOOKS):
-            v, q1, q2 = state[V, i], _told(q, 0, axis, first, weight, p, i), _told(q, 1, axis, first, weight, p, i)
-            third = _told(q, 2, axis, first, weight, p, i) * v * v * v + 3.0 * q2 * v * state[A, i]
+            v, q1, q2 = state[V, i], _blend(q, 0, axis, first, weight, p, i), _blend(q, 1, axis, first, weight, p, i)
+            third = _blend(q, 2, axis, first, weight, p, i) * v * v * v + 3.0 * q2 * v * state[A, i]
             found[i] = abs(third + q1 * state[J, i]) * share
 
 
 @jit(inline=True)
-def _told(q: Floats, order: int, axis: int, first: int, weight: Floats, p: int, i: int) -> float:
+def _blend(q: Floats, order: int, axis: int, first: int, weight: Floats, p: int, i: int) -> float:
     """A derivative of one axis at a place about probe p, from those at five probes from `first` on."""
-    told: float = (
+    value: float = (
         q[order, axis, first] * weight[p, 0, i] + q[order, axis, first + 1] * weight[p, 1, i]
         + q[order, axis, first + 2] * weight[p, 2, i] + q[order, axis, first + 3] * weight[p, 3, i]
         + q[order, axis, first + 4] * weight[p, 4, i]
     )  # fmt: skip
-    return told
+    return value
 
 
 @jit()

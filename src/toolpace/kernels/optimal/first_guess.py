@@ -7,9 +7,6 @@ import numpy as np
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 
-RAMP = 1.0
-"""Share of the jerk limit that a ramp of the guess uses, in the measure of w = z^(3/4), which grows by 2.12 sqrt(J)."""
-
 
 @jit()
 def pointwise(
@@ -60,7 +57,10 @@ def unseen(
 
 @jit()
 def ramped(s: Floats, steady: Floats, third: Floats, z0: float, z1: float) -> Floats:
-    """(n,) z below `steady` whose ramps respect d3s/dt3 <= `third` as if from rest, starting at z0 and ending at z1."""
+    """(n,) z below `steady` whose ramps respect d3s/dt3 <= `third` as if from rest, starting at z0 and ending at z1.
+
+    They are straight in w = z^(3/4), and less steep than a ramp from rest, which is 2.12 sqrt(third).
+    """
     n = len(s)
     w = np.empty(n)
     for i in range(n):
@@ -68,9 +68,9 @@ def ramped(s: Floats, steady: Floats, third: Floats, z0: float, z1: float) -> Fl
     w[0] = min(w[0], z0**0.75)
     w[n - 1] = min(w[n - 1], z1**0.75)
     for i in range(1, n):
-        w[i] = min(w[i], w[i - 1] + RAMP * np.sqrt(min(third[i], third[i - 1])) * (s[i] - s[i - 1]))
+        w[i] = min(w[i], w[i - 1] + np.sqrt(min(third[i], third[i - 1])) * (s[i] - s[i - 1]))
     for i in range(n - 2, -1, -1):
-        w[i] = min(w[i], w[i + 1] + RAMP * np.sqrt(min(third[i], third[i + 1])) * (s[i + 1] - s[i]))
+        w[i] = min(w[i], w[i + 1] + np.sqrt(min(third[i], third[i + 1])) * (s[i + 1] - s[i]))
     z: Floats = w ** (4.0 / 3.0)
     return z
 

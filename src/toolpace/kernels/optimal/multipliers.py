@@ -3,6 +3,10 @@
 A row bounds value = r . (z, z', z'') from above and below: by 1 for acceleration, by the limit of its point for jerk,
 each relaxed by an amount of its kind. With its slacks, up = limit + extra - value and down = limit + extra + value, go
 the multipliers above and below. Sums and peaks are kept lane by lane, and gathered at the end.
+
+In a tile the values of TILE points lie side by side in memory. A loop over the places of a tile, its lanes, does the
+same for each of them, which vector instructions do for several at once. An array (points, ...) becomes
+(tiles, ..., TILE); the last tile is partly empty.
 """
 
 from __future__ import annotations
@@ -13,8 +17,13 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.optimal.tiles import TILE
 
+TILE = 64
+"""Points of a tile: eight times what the widest vector instructions take."""
+BACK_OFF = 0.99
+"""Share of the way to where a first slack or multiplier would vanish that a step goes, for problem and relaxation."""
+MOST_FALL = 0.6
+"""Most of z at a point that a step may take away: where z falls far, the tangents of 1 / sqrt(z) mislead."""
 Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
 """State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
 its rows of acceleration and of jerk are relaxed."""
@@ -50,6 +59,24 @@ class RowSteps(NamedTuple):
     """(tiles, 4, TILE) the corrector's."""
     dual: Floats
     """(tiles, r, 2, TILE) the corrector's, of the multipliers."""
+
+
+@jit()
+def tiled(values: Floats) -> Floats:
+    """(tiles, width, TILE) of values (points, width); zeros beyond the last point."""
+    points, width = values.shape
+    out = np.zeros(((points + TILE - 1) // TILE, width, TILE))
+    for p in range(points):
+        for i in range(width):
+            out[p // TILE, i, p % TILE] = values[p, i]
+    return out
+
+
+@jit(reorder=True)
+def advance(dual: Floats, step: Floats, go: float) -> None:
+    """Go the share `go` of the steps of multipliers (k,)."""
+    for i in range(len(dual)):
+        dual[i] += go * step[i]
 
 
 @jit(inline=True)

@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.dual import KnotRows
-from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, Z
+from toolpace.kernels.optimal.multipliers import EXTRA, EXTRA_JERK, FALL, LIMIT, MOST_FALL, Z
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope
 from toolpace.kernels.optimal.relaxation_work import (
     CAP,
@@ -33,8 +33,6 @@ TOTAL, V0, V1, V2 = range(4)
 """What the jerk rows of a point add to the second derivatives by the wait: twice, and once with (z, z', z'')."""
 LEAST_LEFT = 0.005
 """Share of the slack of a chord that a step leaves: it falls below what its tangent says."""
-MOST_FALL = 0.6
-"""Share of z that a step may take at a knot: beyond it the tangent of 1 / sqrt(z) says nothing."""
 
 
 @jit()
@@ -197,7 +195,7 @@ def follow(waits: Waits, change: Floats) -> None:
 def predict(
     knots: KnotRows, own: OwnRows, states: KnotStates, waits: Waits, affine: Floats, system: System
 ) -> tuple[float, float, float, float]:
-    """The part of the knots' own rows in what `relaxation_rows.predict` finds, to the vectors of which it adds.
+    """The part of the knots' own rows in what `relaxation.predict` finds, to the vectors of which it adds.
 
     Returns the largest relative fall and growth of a slack, and the sums of slack times multiplier times such a
     change, and its square.

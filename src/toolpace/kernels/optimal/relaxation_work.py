@@ -17,9 +17,8 @@ import numpy as np
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal.dual import KnotRows
-from toolpace.kernels.optimal.multipliers import STATES, RowSteps, RowTiles, all_wanted, in_tiles, steps_of
+from toolpace.kernels.optimal.multipliers import STATES, TILE, RowSteps, RowTiles, all_wanted, in_tiles, steps_of
 from toolpace.kernels.optimal.newton import System, system_of
-from toolpace.kernels.optimal.tiles import TILE
 
 CAP, WAIT, FLOOR, CHORD = range(4)
 """Own rows of a knot."""

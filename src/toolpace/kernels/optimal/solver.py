@@ -22,7 +22,16 @@ from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import solver_rows
 from toolpace.kernels.optimal.limit_rows import PointRows
-from toolpace.kernels.optimal.multipliers import RowSteps, RowTiles, in_tiles, product_aimed_at, rows_in, steps_of
+from toolpace.kernels.optimal.multipliers import (
+    BACK_OFF,
+    RowSteps,
+    RowTiles,
+    advance,
+    in_tiles,
+    product_aimed_at,
+    rows_in,
+    steps_of,
+)
 from toolpace.kernels.optimal.newton import (
     Ends,
     System,
@@ -33,10 +42,8 @@ from toolpace.kernels.optimal.newton import (
     tie_vector,
 )
 from toolpace.kernels.optimal.solver_rows import Caps, caps_of
-from toolpace.kernels.optimal.tiles import advance
 
 OPTIMAL, STALLED, BROKEN = 0, 1, 2
-BACK_OFF = 0.99
 BALANCE = 0.1
 """Least share of the gradient that the gap keeps up with: where products of slack and multiplier run ahead of it, the
 point comes to lie next to its limits long before it is the best there, and steps are short."""

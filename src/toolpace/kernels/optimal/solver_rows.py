@@ -25,9 +25,11 @@ from toolpace.kernels.optimal.multipliers import (
     GROWS,
     LIMIT,
     LINEAR,
+    MOST_FALL,
     RELAXED,
     SLOPE,
     SQUARE,
+    TILE,
     Z1,
     Z2,
     RowSteps,
@@ -35,13 +37,13 @@ from toolpace.kernels.optimal.multipliers import (
     Z,
     set_bounds,
     share_left,
+    tiled,
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_curvature_inside, add_slope
-from toolpace.kernels.optimal.tiles import TILE, tiled
 
-MOST_FALL = 0.6
-"""Most of z at a node that a step may take away: where z falls far, the tangents of the jerk rows mislead."""
 KEEP_CURVATURE = 0.05
+"""Least share of the curvature of the duration that stays where the jerk rows bend the other way: it keeps the Newton
+matrix positive definite."""
 CAP, ACCELERATION, JERK = 0, 1, 2
 """What the columns of a relief are for."""
 

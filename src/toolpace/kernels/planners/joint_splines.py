@@ -42,7 +42,7 @@ class Rows(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for the second derivatives of a barrier, see bordered.py, and for the first."""
+    """Room for the second derivatives of a barrier, see `interior_point.solve_bordered`, and for the first."""
 
     band: Floats
     border: Floats

@@ -1,4 +1,4 @@
-"""A first spline inside the tube, and the knots it takes.
+"""A first spline inside the tube, from the vertices of the polyline, with knots where it needs them.
 
 A smoothing spline that hardly smooths shows where knots are needed: where it leaves the inner part of the tube cells
 are halved, and the spline is worked out again about these places, until it runs well inside everywhere.
@@ -14,11 +14,9 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import PathError
 from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
-from toolpace.path.fit.knots import refined_at
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.samples import Samples, sample
-from toolpace.path.fit.spline import Spline, knots_of
-from toolpace.path.fit.windows import Range, ranges, solve_ranges
+from toolpace.path.fit.smooth import Range, ranges, solve_ranges
+from toolpace.path.fit.spline import Samples, Spline, knots_of, sample
 
 INSIDE = 0.6
 """Share of the tolerance within which the first spline must run."""
@@ -31,6 +29,12 @@ PATIENCE = 8
 that is halved makes the next one bad, so that halving creeps along the path by one cell a round."""
 NEARLY = 0.9
 """What is nearly bad, as a share of what is bad: a factor for each round from then on."""
+SPACING = 20.0
+"""Least distance of the first knots [tolerances]: curves that differ by less than a tolerance need no closer ones."""
+RATIO = 2.5
+"""Most ratio of the lengths of neighbouring cells."""
+SHORTEST = 1e-4
+"""Shortest cell [tolerances]."""
 
 
 def inside_spline(
@@ -86,8 +90,7 @@ def near_polyline(line: Polyline, breaks: Floats) -> Spline:
 
 def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats | None, workers: Workers) -> None:
     """Replace the coefficients about the parameters `where`, or all, by those of the smoothing spline."""
-    from toolpace.kernels.fit import tube
-    from toolpace.kernels.fit.least_squares import least_squares
+    from toolpace.kernels.fit import smoothing_spline as kernel
     from toolpace.kernels.fit.quintic_spline import third_rows
 
     third = third_rows(knots_of(spline.breaks))
@@ -102,9 +105,9 @@ def smooth_samples(spline: Spline, data: Samples, weight: Floats, where: Floats 
             columns = slice(c, c + 1) if isinstance(c, int) else c
             metric = np.ones((len(data.s[j]), 1, 1)) if which == 0 else data.metric[j]
             moved = np.ascontiguousarray(x[base:end, columns])
-            there = tube.Samples(data.first[j] - base, data.rows[j], np.ascontiguousarray(target[j, columns]), metric)
-            rough = tube.Roughness(third[base : end - 5], SMOOTHING * share[columns])
-            done = least_squares(rough, there, moved, tube.Free(low - base, high - base))
+            there = kernel.Samples(data.first[j] - base, data.rows[j], np.ascontiguousarray(target[j, columns]), metric)
+            rough = kernel.Roughness(third[base : end - 5], SMOOTHING * share[columns])
+            done = kernel.least_squares(rough, there, moved, kernel.Free(low - base, high - base))
             if not done:
                 raise PathError("the program asks for a corner that no curve within the tolerance can follow")
             x[low:high, columns] = moved[low - base : high - base]
@@ -118,3 +121,49 @@ def deviation(spline: Spline, data: Samples) -> Floats:
     tip = data.off(everything, spline.tip, 0, data.tip, data.metrics(0, everything))
     turn = data.off(everything, spline.turn, 0, data.turn, data.metric)
     return np.maximum(tip / data.room[:, 0], turn / data.room[:, 1])
+
+
+def first_breaks(line: Polyline) -> Floats:
+    """Breaks at vertices, SPACING of their own tolerances apart or more, and graded; two cells at least."""
+    from toolpace.kernels.fit.quintic_spline import thin
+
+    s = line.s
+    own = np.concatenate([s[:1], np.cumsum(np.diff(s) / line.room.min(axis=1))])
+    breaks = s[np.searchsorted(own, thin(own, SPACING))] if np.any(line.room != 1.0) else thin(s, SPACING)
+    if len(breaks) < 3:
+        breaks = np.array([s[0], 0.5 * (s[0] + s[-1]), s[-1]])
+    return graded(breaks)
+
+
+def graded(breaks: Floats) -> Floats:
+    """The breaks with cells halved until none is more than RATIO times as long as a neighbour."""
+    while True:
+        h = np.diff(breaks)
+        least = h.copy()
+        least[1:] = np.minimum(least[1:], h[:-1])
+        least[:-1] = np.minimum(least[:-1], h[1:])
+        long = h > RATIO * least
+        if not np.any(long):
+            return breaks
+        middle = 0.5 * (breaks[:-1] + breaks[1:])[long]
+        breaks = np.sort(np.concatenate([breaks, middle]))
+
+
+def refined_at(vertices: Floats, breaks: Floats, bad: Floats) -> Floats:
+    """The breaks with the cells that hold or touch a bad parameter cut in two."""
+    split = np.zeros(len(breaks) - 1, dtype=bool)
+    for side in (-1e-9, 1e-9):
+        at = np.searchsorted(breaks, bad + side * (1.0 + bad), side="right") - 1
+        split[np.clip(at, 0, len(split) - 1)] = True
+    if np.any(np.diff(breaks)[split] < SHORTEST):
+        raise PathError("the program asks for a corner that no curve within the tolerance can follow")
+    return graded(np.sort(np.concatenate([breaks, middles(vertices, breaks, split)])))
+
+
+def middles(vertices: Floats, breaks: Floats, split: Bools) -> Floats:
+    """Where to cut the cells: at the vertex nearest the middle if there is one in the middle half."""
+    low, high = breaks[:-1][split], breaks[1:][split]
+    middle = 0.5 * (low + high)
+    above = np.clip(np.searchsorted(vertices, middle), 1, len(vertices) - 1)
+    near = np.where(vertices[above] - middle < middle - vertices[above - 1], vertices[above], vertices[above - 1])
+    return np.asarray(np.where(np.abs(near - middle) < 0.25 * (high - low), near, middle))

@@ -23,15 +23,13 @@ from toolpace.common.errors import PathError
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.deviation import PARTS, Comparison
-from toolpace.path.fit.first_spline import inside_spline
-from toolpace.path.fit.knots import first_breaks, refined_at
+from toolpace.path.fit.first_spline import first_breaks, inside_spline, refined_at
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
-from toolpace.path.fit.samples import Samples, sample
 from toolpace.path.fit.smooth import tighten
 from toolpace.path.fit.speed_weights import SpeedWeights
-from toolpace.path.fit.spline import Spline
+from toolpace.path.fit.spline import Samples, Spline, sample
 from toolpace.path.run import SplineRun
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 SLOW = 0.3
@@ -79,11 +77,11 @@ def fit_runs(
     lines = polylines(toolpath, tolerances, machine)
     machines = [None] * len(lines) if machine is None else machine.with_tools(line.tool_length for line in lines)
 
-    def one(k: int, workers: Workers, told: Progress) -> FittedRun:
+    def one(k: int, workers: Workers, share: Progress) -> FittedRun:
         line = lines[k]
         try:
             speed_weight = speed_weights[k] if speed_weights is not None else None
-            return fit_run(line, toolpath, tolerances, machines[k], workers, told, speed_weight)
+            return fit_run(line, toolpath, tolerances, machines[k], workers, share, speed_weight)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -126,9 +124,9 @@ def fit_run(
 
     for repair in range(REPAIRS):
         # how many there will be nobody knows; the first one takes the longest
-        told = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
+        part = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
         rows = speed_weight.rows(spline.breaks, tip_tolerance) if speed_weight is not None else None
-        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, told, rows)
+        tighten(spline, data, weight, least_third, narrowed(data.s, narrow), where, workers, part, rows)
         if not spline.is_finite:
             spline, data = first.copy(), samples
         found = deviations(check, spline, data)

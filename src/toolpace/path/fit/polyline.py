@@ -14,22 +14,25 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
-from toolpace.path.fit.half_ball import HalfBall, unit
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 LEAST_CELL = 1e-7
 """Shorter cells count as repeated points [tolerances]."""
-
 POLE_LEVER = 0.03
 """Sine of the angle to a pole below which a turn about it counts as if there [1]."""
-
 ROUNDS = 8
 """Times that points are put in, at most."""
 STILL = 0.01
 """Turns of the tool axis below it are not divided [tolerances]."""
 SOUND_TURN = 0.3
 """Most turn of a rotary joint between two points at which its solution is chosen [rad]: these are half a turn apart."""
+ACROSS, ALONG = np.sqrt(3.0) / 2.0, np.sqrt(3.0) / 4.0
+"""Half axes b and a [radii of the ball]."""
+FADE = 2.0
+"""Length from an end of a run over which the ellipsoid grows to its size [tolerances]."""
+LEAST_SIZE = 0.01
+"""Size below which its metric is that of this one: at the end itself it would have none."""
 
 
 @dataclass(frozen=True)
@@ -227,14 +230,14 @@ def decided(machine: Machine, toolpath: ToolPath, axis_tolerance: float) -> Floa
     return carried_on(machine, toolpath, np.arange(len(toolpath)), rotary)
 
 
-def carried_on(machine: Machine, toolpath: ToolPath, known: Ints, rotary: Floats) -> Floats:
-    """Rotary joints (n, 2) along a tool path on the branch that was chosen at its points `known` (k,).
+def carried_on(machine: Machine, toolpath: ToolPath, chosen: Ints, rotary: Floats) -> Floats:
+    """Rotary joints (n, 2) along a tool path on the branch that was chosen at its points `chosen` (k,).
 
     Where that branch does not hold between these points, or makes the joints turn by far more than it seemed when it
     was chosen, the choice is made anew with all of them.
     """
     try:
-        between = machine.rotary_between(toolpath, known, rotary)
+        between = machine.rotary_between(toolpath, chosen, rotary)
     except ReachError:
         return machine.choose_rotary(toolpath)
     more = np.abs(np.diff(between, axis=0)).sum() - np.abs(np.diff(rotary, axis=0)).sum()
@@ -287,3 +290,52 @@ def great_circle(a: Floats, b: Floats, u: Floats) -> Floats:
     right = np.where(straight, u, np.sin(u * safe) / np.sin(safe))
     out = left * a + right * b
     return np.asarray(out / np.linalg.norm(out, axis=1)[:, None])
+
+
+@dataclass(frozen=True)
+class HalfBall:
+    """Ellipsoids inside one half of the tolerance tube, for tolerances on one side; all in tolerances.
+
+    Of the ball of radius 1 about the program's tip the half with n . d >= 0 may be used. In it lies the ellipsoid
+
+        |d across n|^2 / b^2 + (n . d - a)^2 / a^2 <= 1        b = sqrt(3) / 2,  a = sqrt(3) / 4
+
+    of most volume (65 percent of the half ball). So the tube is still one ball at each sample, only about another place
+    and in another metric, and no solver has to know of sides. Where a run starts and ends the curve is at the program's
+    point itself: towards these places the ellipsoid shrinks.
+    """
+
+    s: Floats
+    """(k + 1,) parameters of the vertices."""
+    out: Floats
+    """(k + 1, 3) unit vectors there, away from the part."""
+
+    def outward(self, at: Floats) -> Floats:
+        """(n, 3) unit vectors at parameters (n,)."""
+        return unit(np.stack([np.interp(at, self.s, each) for each in self.out.T], axis=1))
+
+    def size(self, at: Floats) -> Floats:
+        """(n,) of the ellipsoid there, at most 1."""
+        return np.asarray(np.clip(np.minimum(at - self.s[0], self.s[-1] - at) / FADE, 0.0, 1.0))
+
+    def centre(self, at: Floats) -> Floats:
+        """(n, 3) of the ellipsoid, from the program's tip on."""
+        return np.asarray(ALONG * self.size(at)[:, None] * self.outward(at))
+
+    def metric(self, at: Floats) -> Floats:
+        """(n, 3, 3) what a way from the centre is, squared: 1 on the ellipsoid."""
+        out, size = self.outward(at), np.maximum(self.size(at), LEAST_SIZE)
+        along = out[:, :, None] * out[:, None, :]
+        shape = (np.eye(3) - along) / ACROSS**2 + along / ALONG**2
+        return np.asarray(shape / size[:, None, None] ** 2)
+
+    def distance(self, off: Floats, at: Floats) -> Floats:
+        """(n,) of places `off` (n, 3) the program's tip from the centre, in the metric."""
+        way = off - self.centre(at)
+        return np.asarray(np.sqrt(np.einsum("na,nab,nb->n", way, self.metric(at), way)))
+
+
+def unit(vectors: Floats) -> Floats:
+    """(n, 3) the vectors at length 1; what has none stays as it is."""
+    length = np.linalg.norm(vectors, axis=1)[:, None]
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))

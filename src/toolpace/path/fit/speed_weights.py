@@ -12,6 +12,7 @@ has: jerk at the two points of Gauss' rule, acceleration in the middle.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,10 @@ PLACES = np.array([-1.0, 0.0, 1.0]) / np.sqrt(3.0)
 """Of the rows in a cell, from -1 to 1."""
 WEIGHTS = np.array([0.5, 1.0, 0.5])
 """Of their squares, in cell lengths."""
+SLOWEST = 0.02
+"""Least speed in the weights of a fit, as a share of the highest: what is passed more slowly weighs next to nothing."""
+STEPS_OF_MEAN, MOST_STEPS = 4, 1_000_000
+"""Places in the time over which that speed is a mean, and most of them in all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +84,21 @@ class SpeedWeights:
         share = np.sqrt(WEIGHTS * h[:, None] * v ** (self.power - 6.0))
         weight: Floats = v.mean(axis=1) ** self.power
         return rows * share[:, :, None], weight
+
+
+def weights_of_motion(
+    at: Callable[[Floats], Floats], s0: float, duration: float, smoothed: float, ramp: float, power: float
+) -> SpeedWeights:
+    """Weights by the speed of a time law, `at` (n,) -> (4, n), that begins at `s0`; see `TimeLaw.speed_weights`."""
+    count = int(np.clip(np.ceil(STEPS_OF_MEAN * duration / smoothed), 2, MOST_STEPS)) + 1
+    t = np.linspace(0.0, duration, count)
+    before = at(np.maximum(t - 0.5 * smoothed, 0.0))
+    after = at(np.minimum(t + 0.5 * smoothed, duration))
+    pace = (after[:3] - before[:3]) / smoothed
+    least = SLOWEST * pace[0].max()
+    pace[1:, pace[0] < least] = 0.0
+    pace[0] = np.maximum(pace[0], least)
+    return SpeedWeights(at(t)[0] - s0, pace, ramp, power)
 
 
 def basis_derivatives(breaks: Floats, inside: Floats) -> list[Floats]:

@@ -1,4 +1,4 @@
-"""The spline of a run during the fit: breaks and coefficients."""
+"""The spline of a run during the fit, and the samples at which it is compared with its polyline."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, Ints
+from toolpace.machine.machine import Machine
+from toolpace.path.fit.polyline import Polyline, axis_columns
 
 
 @dataclass(frozen=True)
@@ -45,3 +47,101 @@ class Spline:
 def knots_of(breaks: Floats) -> Floats:
     """Knots with both ends six-fold."""
     return np.concatenate([np.repeat(breaks[:1], 5), breaks, np.repeat(breaks[-1:], 5)])
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Ascending parameters, what the polyline is there, and what of a spline matters there."""
+
+    s: Floats
+    """(m,) ascending parameters: vertices, knots, and the middles of what lies between."""
+    first: Ints
+    """(m,) first of the six coefficients that matter."""
+    rows: Floats
+    """(m, 6) their basis values."""
+    tip: Floats
+    """(m, 3) the polyline, or the middle of the half of the tube beside it [tolerances]."""
+    tip_metric: Floats | None
+    """(m, 3, 3) what a deviation of the tip is, squared; None: its length."""
+    turn: Floats
+    """(m, 2 or 3) [tolerances]"""
+    metric: Floats
+    """(m, d, d) what a deviation of the turn is on the sphere, squared."""
+    room: Floats
+    """(m, 2) tolerance of tip and turn, in the narrowest."""
+    gap: Floats
+    """(m,) half the distance between the neighbours."""
+
+    def metrics(self, which: int, part: slice) -> Floats:
+        """The metric of the tip (0) or of the turn (1) at some of the samples."""
+        if which == 1:
+            return self.metric[part]
+        if self.tip_metric is not None:
+            return self.tip_metric[part]
+        return np.broadcast_to(np.eye(3), (len(self.s[part]), 3, 3)).copy()
+
+    def off(self, part: slice, x: Floats, base: int, target: Floats, metric: Floats) -> Floats:
+        """Deviation of the spline with coefficients x, from number `base` on, from its target [tolerances]."""
+        from toolpace.kernels.fit.polyline import metric_distance
+        from toolpace.kernels.fit.smoothing_spline import gather
+
+        here = np.empty_like(target[part])
+        gather(self.first[part] - base, self.rows[part], x, here)
+        return metric_distance(here, target[part], metric)
+
+
+def sample(
+    line: Polyline,
+    breaks: Floats,
+    axis_tolerance: float,
+    machine: Machine | None,
+    at: Floats | None = None,
+    known: Samples | None = None,
+) -> Samples:
+    """Samples `at` parameters; by default vertices, breaks, and the middles between them where these are not close.
+
+    What `known` has is not worked out again.
+    """
+    from toolpace.kernels.fit.polyline import straight
+    from toolpace.kernels.fit.quintic_spline import basis_rows
+
+    s = usual(line.s, breaks) if at is None else at
+    first, rows = basis_rows(knots_of(breaks), s)
+    turn = straight(line.s, line.turn, s)
+    metric = np.empty((len(s), turn.shape[1], turn.shape[1]))
+    fresh = np.ones(len(s), dtype=bool)
+    if known is not None:
+        old = np.minimum(np.searchsorted(known.s, s), len(known.s) - 1)
+        fresh = known.s[old] != s
+        metric[~fresh] = known.metric[old[~fresh]]
+    metric[fresh] = turn_metric(turn[fresh], axis_tolerance, machine)
+    tip, tip_metric = straight(line.s, line.tip, s), None
+    if line.half is not None:
+        tip, tip_metric = tip + line.half.centre(s), line.half.metric(s)
+    return Samples(s, first, rows, tip, tip_metric, turn, metric, line.room_at(s), np.gradient(s))
+
+
+def usual(vertices: Floats, breaks: Floats) -> Floats:
+    """Vertices, breaks, and the middles between them where these are not close."""
+    s = np.unique(np.concatenate([vertices, breaks]))
+    middle = 0.5 * (s[1:] + s[:-1])
+    cell = np.clip(np.searchsorted(breaks, middle) - 1, 0, len(breaks) - 2)
+    wide = np.diff(s) > 0.2 * np.diff(breaks)[cell]
+    return np.sort(np.concatenate([s, middle[wide]]))
+
+
+def turn_metric(turn: Floats, axis_tolerance: float, machine: Machine | None) -> Floats:
+    """What a deviation of the turn (n, d) is on the sphere, (n, d, d): the square of the axis's derivative.
+
+    Near a pole the angle that does not move the axis is free, but not without bound: a deviation of the tilt by the
+    tolerance makes it matter, hence the tolerance added to the length of each column, and more than 0.3 rad are never
+    taken.
+    """
+    if machine is None:
+        return np.broadcast_to(np.eye(3), (len(turn), 3, 3)).copy()
+    jacobian = axis_columns(turn * axis_tolerance, machine)
+    metric = np.asarray(np.einsum("nca,ncb->nab", jacobian, jacobian))
+    for joint in range(2):
+        length = np.sqrt(metric[:, joint, joint])
+        metric[:, joint, joint] += length * axis_tolerance + (axis_tolerance / 0.3) ** 2
+    return metric

@@ -1,4 +1,4 @@
-"""Branch and bound over ranges of speed at knots, tightened by the relaxation.
+"""Branch and bound over ranges of speed at knots, tightened by the relaxation, within a budget of time or work.
 
 piece: all z in a part of a run;   cut: what is to be proved
 repeat
@@ -19,7 +19,6 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.workers import Progress, Workers
 from toolpace.kernels.optimal import dual
-from toolpace.planning.bound.allowance import Allowance
 from toolpace.planning.bound.gap_localisation import settled, surroundings
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import Relaxation, relaxed
@@ -37,13 +36,35 @@ NOT_ZERO = 1e-4
 """Share of the relaxation's z below which no range from a z on is looked for."""
 NECESSARY = 0.999
 """Share of what the best motion known loses at a place that is to be proved necessary."""
-ASKED = 3
+QUESTIONS = 3
 """Questions that a knot is asked in a round, at most."""
 PROBE_TOLERANCE = 1e-4
+"""Of the relaxation that answers a question: only its side of the cut counts."""
 LEAST_PROGRESS = 0.2
 """Share of what is open that a round must close; else the range of a knot is split."""
 PATIENCE, LEAST_GAIN = 2, 5e-3
 """After how many rounds that raise the bound by less than this share of what the plan loses a place is left."""
+
+
+@dataclass
+class Allowance:
+    """How much may be spent on a proof: until when, or on how much work, which does not depend on the clock."""
+
+    until: float = np.inf
+    """By time.monotonic() [s]."""
+    knots: float = np.inf
+    """Knots of all the relaxations that are solved for it."""
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether nothing is left."""
+        return self.knots <= 0 or time.monotonic() >= self.until
+
+    def take(self, knots: int) -> bool:
+        """Take so many knots off, if there are as many; else there are none any more."""
+        enough = knots <= self.knots
+        self.knots = self.knots - knots if enough else 0
+        return enough
 
 
 @dataclass(frozen=True)
@@ -66,69 +87,6 @@ class Box:
     high: Floats
     found: Relaxation
     """The relaxation within the ranges."""
-
-
-def close(
-    part: Part, lost: float, needed: float, allowance: Allowance, ramp: float, workers: Workers, progress: Progress
-) -> float:
-    """How much more than its multipliers say any motion takes in a part; `lost` is how much more the best known takes.
-
-    Best first branch and bound, until as much as `needed` is proved: the piece with the least value is tightened, and
-    split where that is of no use.
-    """
-    base = part.found.value
-    cut = base + NECESSARY * lost
-    enough = base + min(NECESSARY * lost, needed)
-    low = np.zeros_like(part.knots.cap)
-    pieces = [Box(base, low, part.knots.cap, part.found)]
-    patience, best = PATIENCE, base
-    while patience and not allowance.is_spent:
-        worst = min(pieces, key=lambda piece: piece.value)
-        patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
-        best = max(best, worst.value)
-        progress(min(best, enough) - base)
-        if best >= enough or not allowance.take(work(part, worst, ramp)):
-            break
-        tighter = tightened(part, worst, cut, allowance.until, ramp, workers)
-        pieces.remove(worst)
-        if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
-            pieces.append(tighter)
-        else:
-            pieces += [relaxed_in(part, low, high, tighter) for low, high in split_at_widest(tighter, part.knots)]
-    return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
-
-
-def work(part: Part, piece: Box, ramp: float) -> int:
-    """Knots of all the relaxations that one round in a piece solves, at most."""
-    low, high = surroundings(part.clock, open_knots(part.knots, piece), KNOT_RAMPS * ramp)
-    return ASKED * int((high - low + 1).sum()) + 3 * len(part.clock)
-
-
-def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, workers: Workers) -> Box:
-    """The piece with the ranges of its open knots narrowed to what may take less than `wanted`.
-
-    What is cut off takes at least that, as multipliers of its own prove. So it need not be looked at again.
-    """
-    low, high = piece.low.copy(), piece.high.copy()
-
-    def narrow(k: int) -> tuple[int, float, float]:
-        if time.monotonic() > until:
-            return k, np.nan, np.nan
-        near = Neighbourhood(part, piece, k, ramp)
-        return k, near.border(False, wanted), near.border(True, wanted)
-
-    for k, least, most in workers.each(narrow, open_knots(part.knots, piece).tolist()):
-        low[k], high[k] = np.fmax(low[k], least), np.fmin(high[k], most)
-    return relaxed_in(part, low, high, piece)
-
-
-def open_knots(knots: Knots, piece: Box) -> Ints:
-    """The knots that wait longest, and their neighbours."""
-    seconds = knots.weight * piece.found.wait * knots.has_rows()
-    is_open: npt.NDArray[np.bool_] = seconds > OPEN * seconds.max()
-    is_open[1:] |= is_open[:-1].copy()
-    is_open[:-1] |= is_open[1:].copy()
-    return np.flatnonzero(is_open)
 
 
 class Neighbourhood:
@@ -176,6 +134,69 @@ class Neighbourhood:
         else:
             high[k] = self.high[k]
         return dual.range_beyond(kappa[k], theta[k], low[k], high[k], wanted, upper)
+
+
+def close(
+    part: Part, lost: float, needed: float, allowance: Allowance, ramp: float, workers: Workers, progress: Progress
+) -> float:
+    """How much more than its multipliers say any motion takes in a part; `lost` is how much more the best known takes.
+
+    Best first branch and bound, until as much as `needed` is proved: the piece with the least value is tightened, and
+    split where that is of no use.
+    """
+    base = part.found.value
+    cut = base + NECESSARY * lost
+    enough = base + min(NECESSARY * lost, needed)
+    low = np.zeros_like(part.knots.cap)
+    pieces = [Box(base, low, part.knots.cap, part.found)]
+    patience, best = PATIENCE, base
+    while patience and not allowance.is_spent:
+        worst = min(pieces, key=lambda piece: piece.value)
+        patience = PATIENCE if worst.value > best + LEAST_GAIN * lost else patience - 1
+        best = max(best, worst.value)
+        progress(min(best, enough) - base)
+        if best >= enough or not allowance.take(work(part, worst, ramp)):
+            break
+        tighter = tightened(part, worst, cut, allowance.until, ramp, workers)
+        pieces.remove(worst)
+        if tighter.value >= min(worst.value + LEAST_PROGRESS * (cut - worst.value), enough):
+            pieces.append(tighter)
+        else:
+            pieces += [relaxed_in(part, low, high, tighter) for low, high in split_at_widest(tighter, part.knots)]
+    return max(min(min(piece.value for piece in pieces), cut) - base, 0.0)
+
+
+def work(part: Part, piece: Box, ramp: float) -> int:
+    """Knots of all the relaxations that one round in a piece solves, at most."""
+    low, high = surroundings(part.clock, open_knots(part.knots, piece), KNOT_RAMPS * ramp)
+    return QUESTIONS * int((high - low + 1).sum()) + 3 * len(part.clock)
+
+
+def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, workers: Workers) -> Box:
+    """The piece with the ranges of its open knots narrowed to what may take less than `wanted`.
+
+    What is cut off takes at least that, as multipliers of its own prove. So it need not be looked at again.
+    """
+    low, high = piece.low.copy(), piece.high.copy()
+
+    def narrow(k: int) -> tuple[int, float, float]:
+        if time.monotonic() > until:
+            return k, np.nan, np.nan
+        near = Neighbourhood(part, piece, k, ramp)
+        return k, near.border(False, wanted), near.border(True, wanted)
+
+    for k, least, most in workers.each(narrow, open_knots(part.knots, piece).tolist()):
+        low[k], high[k] = np.fmax(low[k], least), np.fmin(high[k], most)
+    return relaxed_in(part, low, high, piece)
+
+
+def open_knots(knots: Knots, piece: Box) -> Ints:
+    """The knots that wait longest, and their neighbours."""
+    seconds = knots.weight * piece.found.wait * knots.has_rows()
+    is_open: npt.NDArray[np.bool_] = seconds > OPEN * seconds.max()
+    is_open[1:] |= is_open[:-1].copy()
+    is_open[:-1] |= is_open[1:].copy()
+    return np.flatnonzero(is_open)
 
 
 def relaxed_in(part: Part, low: Floats, high: Floats, whole: Box) -> Box:

@@ -1,21 +1,24 @@
-"""A lower bound of the continuous problem of one run, by a dual function of multipliers over s.
+"""A lower bound of the continuous problem of a run or of a whole plan, by a dual function of multipliers over s.
 
-Multipliers of a fine mesh, even in time, are smoothed to functions; any functions give a bound. The derivation is in
-docs/design/bound.md.
+Multipliers of a fine mesh, even in time, are smoothed to functions; any functions give a bound. So it does not depend
+on the mesh of the plan. The derivation is in docs/design/bound.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
+from toolpace.common.workers import Workers
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import continuous_dual, first_guess
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
@@ -35,6 +38,8 @@ FROM_REST = 3
 """Nodes next to rest, where multipliers of the mesh are no good: they are continued from the next ones."""
 LEAST_KAPPA = 1e-3
 """Kappa below which a knot's pace is taken at this one, in the guess of theta only: any theta gives a bound."""
+CHEAP = 40_000
+"""Cells of all runs together up to which this bound is cheap: a second or two of the machine's time."""
 
 
 def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
@@ -154,3 +159,24 @@ def gauss(points: int) -> tuple[Floats, Floats, Floats]:
         [legendre.legval(x, legendre.legint(column, lbnd=-1.0)) for column in np.eye(points)], axis=1
     )
     return (x + 1.0) / 2.0, weight / 2.0, 0.5 * up_to @ fit
+
+
+def is_cheap(trajectory: Trajectory) -> bool:
+    """Whether the bound takes little beside reading, fitting and judging a program."""
+    laws = trajectory.laws
+    return all(isinstance(law, SplineLaw) for law in laws) and cells(trajectory) <= CHEAP
+
+
+def cells(trajectory: Trajectory) -> int:
+    """Cells of the meshes on which the bound is worked out."""
+    return sum(max(FEWEST, len(law.nodes)) for law in trajectory.laws if isinstance(law, SplineLaw))
+
+
+def with_continuous_bound(trajectory: Trajectory, workers: Workers | None = None) -> Trajectory:
+    """The same plan with its bound of the continuous problem; 0 where one of its runs has none."""
+    axis_path, limits = trajectory.axis_path, trajectory.limits
+    pairs = [(run, law) for run, law in zip(axis_path.runs, trajectory.laws) if isinstance(law, SplineLaw)]
+    found = (workers or Workers()).each(lambda k: continuous_bound(pairs[k][0], limits, pairs[k][1]), range(len(pairs)))
+    complete = len(pairs) == len(trajectory.laws) and all(seconds > 0.0 for seconds in found)
+    dwells = axis_path.first_dwell + sum(run.dwell for run in axis_path.runs)
+    return replace(trajectory, continuous_bound=sum(found) + dwells if complete else 0.0)

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.optimal.dual import least_terms
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.relaxation import STANDS_STILL, coefficients, problem_of, relaxed
 from toolpace.planning.endstate import EndState

@@ -13,19 +13,18 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import refuse_other_unit
 from toolpace.common.workers import UNTOLD, CallersProgress, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
+from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.bound.allowance import Allowance
-from toolpace.planning.bound.any_motion import with_continuous_bound
-from toolpace.planning.bound.branch_and_bound import Part, close
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.bound.branch_and_bound import Allowance, Part, close
+from toolpace.planning.bound.continuous import with_continuous_bound
 from toolpace.planning.bound.gap_localisation import Place, losses_by_knot, open_places, settled
-from toolpace.planning.bound.pieces import bound_long_run
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import (
     STANDS_STILL,
     Bound,
     Relaxation,
+    bound_long_run,
     coefficients,
     places_in_time,
     problem_of,
@@ -68,8 +67,8 @@ def prove(
     until = time.monotonic() + within
     runs, limits = trajectory.axis_path.runs, trajectory.limits
     laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]
-    told = CallersProgress(progress)
-    workers = Workers(told)
+    reported = CallersProgress(progress)
+    workers = Workers(reported)
     bounds = workers.each(
         lambda k: bound_long_run(runs[k], limits, laws[k], *end_states(laws[k]), workers=workers), range(len(runs))
     )
@@ -79,14 +78,14 @@ def prove(
     for k in np.argsort(-open_).tolist():
         if bounds[k].gap > gap and time.monotonic() < until:
             share = open_[k] / total
-            part = told.part(done, done + share)
+            part = reported.part(done, done + share)
             states = end_states(laws[k])
             bounds[k] = prove_run(
                 runs[k], limits, laws[k], gap, Allowance(until), *states, workers=workers, progress=part
             )
         done += open_[k] / total
     unmeshed = with_continuous_bound(trajectory, workers)
-    told(1.0)
+    reported(1.0)
     proved = [
         PlannedRun(law, 0, bound.seconds, places_in_time(run, law, bound))
         for run, law, bound in zip(runs, laws, bounds, strict=True)

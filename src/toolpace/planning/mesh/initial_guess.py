@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.path_detail import allowed, closer_look
 
 ROUGH, ROUGH_BY = 0.05, 1.5

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
+from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.initial_guess import Guess, from_graded, guess, places, ramp_time, to_graded
 
 STEPS_A_RAMP = 8.0
@@ -17,6 +18,11 @@ GRADING = 0.1
 """Largest step in time next to rest, as a share of the time since rest."""
 CELLS_A_HINT = 2.0
 """Fewest cells between two hints of a run, such as the knots of a fitted path."""
+SMOOTH = 1e-4
+"""Share of a limit that the path may do between two hints beyond what it tells at both, for those between them to be
+left out. A fit has knots every few tolerances, also where a rapid is smooth for metres: of 18 730 hints of such a run
+a few hundred are left, its mesh falls from 43 582 to 2505 nodes, and the motion is the same to 1e-6. Others come out
+faster or slower by up to 1e-4 as nodes move; with 1e-3 and 2e-2 mostly slower, by up to 1e-4 and 2e-4."""
 FEWEST_LOOKS = 400
 """Fewest places at which a run is looked at before its mesh is made: between two of them nothing must hide."""
 FEWEST_CELLS = 150
@@ -49,6 +55,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
       at least so many between two hints, or, where there are none, a fifth of all evenly along the run.
     Breaks and what only a closer look has found come on top.
     """
+    hints = run.hints
     fewest = cells or (FEWEST_CELLS if len(run.hints) else DEFAULT_CELLS)
     many = places(run, limits, fewest) if cells is None and not len(run.hints) else fewest
     rough = guess(run, limits, ends, max(many, FEWEST_LOOKS))
@@ -61,7 +68,8 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     count = even_in_time(rough.t, ends, step)
     count = finer_where_z_falls(count, rough, ends, step)
     if cells is None and len(run.hints):
-        count = np.maximum(count, between_hints(run, rough, step))
+        hints = needed_hints(run, limits, rough)
+        count = np.maximum(count, between_hints(run, hints, rough, step))
     else:
         count += EVEN_SHARE * count.sum() * np.diff(rough.s) / (run.s1 - run.s0)
     measure = np.concatenate([[0.0], np.cumsum(count)])
@@ -69,7 +77,7 @@ def first_mesh(run: AxisRun, limits: Limits, ends: tuple[float, float], cells: i
     nodes = spread_nodes(run, rough, measure, wanted, ends, step)
     nodes = apart(with_breaks(nodes, rough.detail, NARROWEST))
     if cells is None:
-        nodes = with_breaks(nodes, run.hints)
+        nodes = with_breaks(nodes, hints)
     return graded(with_breaks(nodes, run.breaks, NARROWEST)), rough
 
 
@@ -106,9 +114,32 @@ def finer_where_z_falls(count: Floats, rough: Guess, ends: tuple[float, float], 
     return np.where(moves, np.maximum(count, NODES_A_FALL * fall), count)
 
 
-def between_hints(run: AxisRun, rough: Guess, step: float) -> Floats:
+def needed_hints(run: AxisRun, limits: Limits, rough: Guess) -> Floats:
+    """(h,) the hints of a run without those between which its path tells all at the guess's speed; breaks stay.
+
+    Of three in a row the middle one goes, where the outer two tell the path; and so on with what is left.
+    """
+    s = np.unique(np.concatenate([[run.s0], run.hints, run.breaks, [run.s1]]))
+    s = s[(s >= run.s0) & (s <= run.s1)]
+    path, z, stays = run.evaluate(s), np.interp(s, rough.s, rough.z), np.isin(s, run.breaks)
+    while len(s) > 2:
+        middle = np.arange(1, len(s) - 1, 2)
+        middle = middle[~stays[middle]]
+        low, high = np.ascontiguousarray(path[:, middle - 1]), np.ascontiguousarray(path[:, middle + 1])
+        fastest = np.maximum(np.maximum(z[middle - 1], z[middle + 1]), z[middle])
+        of_joints = limits.velocity, limits.acceleration, limits.jerk
+        unseen = first_guess.unseen(low, high, s[middle + 1] - s[middle - 1], fastest, *of_joints)
+        left = np.ones(len(s), dtype=np.bool_)
+        left[middle[unseen <= SMOOTH]] = False
+        if left.all():
+            break
+        s, path, z, stays = s[left], path[:, left], z[left], stays[left]
+    return s[1:-1]
+
+
+def between_hints(run: AxisRun, hints: Floats, rough: Guess, step: float) -> Floats:
     """(n - 1,) nodes for CELLS_A_HINT between hints: the third derivative bends there, unless they are one place."""
-    hints = np.unique(np.concatenate([[run.s0], run.hints, [run.s1]]))
+    hints = np.unique(np.concatenate([[run.s0], hints, [run.s1]]))
     middle = (rough.s[1:] + rough.s[:-1]) / 2.0
     inside = np.clip(np.searchsorted(hints, middle) - 1, 0, len(hints) - 2)
     share = np.diff(rough.s) / np.diff(hints)[inside]

@@ -1,4 +1,9 @@
-"""Places of a path that need a finer mesh: cusps, poles, short features."""
+"""Places of a path that need a finer mesh: cusps, poles, short features, and features narrower than the grid.
+
+A bend, a kink or a jump between two places changes position, slope or curvature by more than the derivatives at both
+explain, however short it is (kernels/motion/between_nodes.py). The gap is halved, the half kept from which that is
+still missing, until it is as short as what happens in it.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import PathError
+from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
-from toolpace.motion import gained_in_a_ramp
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.mesh.narrow_feature_search import Gaps, search_narrow_features
+from toolpace.motion import gained_in_a_ramp, least_changes
+from toolpace.path.axis_run import AxisRun
 
 UNSEEN = 0.02
 """Share of a limit that may hide between two points of the grid at the speed that the limits allow at them."""
@@ -26,6 +31,8 @@ JUMP = 1e-5
 builds up: a^3 / j^2, a^2 / j, a. Nothing can follow it, and smaller ones are what numbers make of a path."""
 MOST_POINTS = 20_000
 """Points after which no closer look is taken: a path that is detail everywhere is not looked at for ever."""
+MOST_CHASED = 2_000
+"""Gaps after which no more are chased: a path that is noise everywhere is not chased for ever."""
 
 
 class LimitsAlong(NamedTuple):
@@ -36,6 +43,30 @@ class LimitsAlong(NamedTuple):
     """(n,) z = (ds/dt)^2 at steady speed."""
     third: Floats
     """(n,) d3s/dt3 at rest."""
+
+
+class Gaps(NamedTuple):
+    """Pairs of places next to each other, and the path there."""
+
+    low: Floats
+    high: Floats
+    of_low: Floats
+    """(4, n, joints)"""
+    of_high: Floats
+    slow: Floats
+    """(n,) z that limits allow at both at steady speed."""
+
+    def take(self, which: Ints | Bools) -> Gaps:
+        """Some of them."""
+        return Gaps(
+            self.low[which], self.high[which], np.ascontiguousarray(self.of_low[:, which]),
+            np.ascontiguousarray(self.of_high[:, which]), self.slow[which],
+        )  # fmt: skip
+
+    def missing(self, limits: Limits) -> Floats:
+        """(n, 3, joints) changes of position, slope and curvature that both ends do not tell."""
+        length, speed = self.high - self.low, np.sqrt(self.slow)
+        return between_nodes.increment_errors(self.of_low, self.of_high, self.low, length, speed, least_changes(limits))
 
 
 def detail(run: AxisRun, limits: Limits, s: Floats) -> Floats:
@@ -128,3 +159,48 @@ def allowed(limits: Limits, q: Floats, cap: Floats) -> tuple[Floats, Floats]:
     whole = np.ascontiguousarray(q)
     _, steady, third = first_guess.pointwise(whole, limits.velocity, limits.acceleration, limits.jerk, cap)
     return steady, third
+
+
+def search_narrow_features(run: AxisRun, limits: Limits, gaps: Gaps, shortest: float) -> tuple[Gaps, Floats]:
+    """What hides in the gaps of a grid: gaps as short as it is, and (k,) the places that led there.
+
+    `shortest`: length of a gap that numbers do not resolve [of s].
+    """
+    missed = gaps.missing(limits)
+    which = np.flatnonzero(between_nodes.outliers(missed, gaps.high - gaps.low))[:MOST_CHASED]
+    now, missed = gaps.take(which), missed[which]
+    found: list[Gaps] = []
+    way: list[tuple[Ints, Floats]] = []
+    chain, caught = np.arange(len(which)), np.zeros(len(which), dtype=np.bool_)
+    number = 0
+    while len(now.low):
+        number += 1
+        middle = (now.low + now.high) / 2.0
+        of_middle = run.evaluate(middle)
+        left = Gaps(now.low, middle, now.of_low, np.ascontiguousarray(of_middle), now.slow)
+        right = Gaps(middle, now.high, left.of_high, now.of_high, now.slow)
+        missed_left, missed_right = left.missing(limits), right.missing(limits)
+        stays, is_right = between_nodes.worse_half(missed, missed_left, missed_right)
+        way.append((chain, middle))
+        pick = is_right[:, None, None]
+        half = Gaps(
+            np.where(is_right, middle, now.low), np.where(is_right, now.high, middle),
+            np.where(is_right[:, None], right.of_low, left.of_low),
+            np.where(is_right[:, None], now.of_high, left.of_high),
+            now.slow,
+        )  # fmt: skip
+        missed = np.where(pick, missed_right, missed_left)
+        length = half.high - half.low
+        speed = np.sqrt(half.slow)
+        of_joints = (limits.velocity, limits.acceleration, limits.jerk)
+        utilised = between_nodes.error_utilisation(missed, length, speed, *of_joints)
+        seen = stays & (utilised > UNSEEN) & (number > SETTLED)
+        if seen.any():
+            caught[chain[seen]] = True
+            found.append(half.take(seen))
+        go = stays & ~seen & (length > 2.0 * shortest)
+        now, missed, chain = half.take(go), missed[go], chain[go]
+    if not found:
+        return gaps.take(np.empty(0, dtype=np.int64)), np.empty(0)
+    places = np.concatenate([middle[caught[of]] for of, middle in way])
+    return Gaps(*(np.concatenate(part, axis=1 if part[0].ndim == 3 else 0) for part in zip(*found))), places

@@ -18,13 +18,12 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.initial_guess import quickest_ramp
 from toolpace.planning.mesh.nodes import DEFAULT_CELLS, STEPS_A_RAMP, UNTOLD_RAMP, cut_cells, graded
-from toolpace.planning.optimal.meshed_run import MeshedRun
+from toolpace.planning.optimal.meshed_run import MeshedRun, too_short
 from toolpace.planning.optimal.solve import Stalled, start_from
-from toolpace.planning.optimal.undershoot import too_short
 from toolpace.planning.optimal.windows import solve_run
 
 SWITCH = 0.1

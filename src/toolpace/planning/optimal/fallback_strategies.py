@@ -23,9 +23,9 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.bound.allowance import Allowance
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.gap_localisation import GapInterval, gap_interval_of
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run, highest_speed
@@ -33,9 +33,8 @@ from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.inter_sample_limits import held_between_nodes
-from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun
+from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun, on_finer_mesh, too_short
 from toolpace.planning.optimal.solve import Stalled, pinned, slower
-from toolpace.planning.optimal.undershoot import on_finer_mesh, too_short
 from toolpace.planning.optimal.windows import solve_run
 
 FAR = 0.02

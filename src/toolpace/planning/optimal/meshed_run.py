@@ -1,24 +1,25 @@
-"""A run on its mesh, and the rows of limits between its nodes."""
+"""A run on its mesh, with rows of limits between its nodes, and laws of it on finer meshes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.kernels.motion import inter_sample_rows
+from toolpace.kernels.motion import cubic_spline
+from toolpace.kernels.optimal import limit_rows
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
 from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import ALLOWED
 from toolpace.planning.mesh.initial_guess import Guess, ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.problem import OnMesh, Problem, discretise, with_rows_between
 from toolpace.planning.optimal.solve import pinned
-from toolpace.planning.optimal.undershoot import on_finer_mesh
-from toolpace.planning.path_cache import CachedPath
+from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.peaks import LimitCheck, Peaks
 
 LEAST_REACH = 20
@@ -29,6 +30,14 @@ BESIDE = 2
 """Knots on either side of a stretch that its basis functions know."""
 INSIDE = EndState(1.0)
 """Any motion, where a stretch ends inside the run."""
+NOTHING = 1e-3
+"""Share of z at the nodes of a cell below which it has fallen to nothing inside: there a parabola touches zero, and
+is not told from it by cutting the cell."""
+FLOOR = 0.3
+"""What z starts from on a finer mesh where it dips between two nodes, as a share of z at the nodes."""
+MOST_SPLITS = 6
+SHORTEST = 1e3
+"""Cells that are cut no further, as a multiple of the rounding of s."""
 
 
 class MeshedRun(OnMesh):
@@ -45,11 +54,13 @@ class MeshedRun(OnMesh):
         passed: tuple[Floats, Floats],
         ramp: float,
         known: CachedPath | None = None,
+        before: tuple[LimitCheck, Ints] | None = None,
     ) -> None:
         """Take the nodes from s0 to s1, and the highest z that the limits allow anywhere at steady speed.
 
         `passed`: parameters, and about when they are passed [s]; `ramp`: in which time an acceleration builds up [s];
-        `known`: what is known of the path already, which a run that is too long for one problem does not keep.
+        `known`: what is known of the path already, which a run that is too long for one problem does not keep;
+        `before`: what was checked on a mesh whose cells have been cut into so many parts (cells,) for this one.
         """
         inner = nodes[1 if ends[0].at_rest else 0 : -1 if ends[1].at_rest else len(nodes)]
         super().__init__(inner, (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1])), ends)
@@ -57,7 +68,7 @@ class MeshedRun(OnMesh):
         self.lowered = np.ones((len(inner), 3))
         self.between = RowsBetween()
         self._known = (known or CachedPath(run)) if len(nodes) <= KEPT else None
-        self.look = LimitCheck(run, limits, self.nodes, self._known)
+        self.look = LimitCheck(run, limits, self.nodes, self._known, before)
         self.clock, self.ramp = np.interp(self.nodes, *passed), ramp
         self._given = discretise(run, limits, nodes, *ends, highest, self._known) if self._known else None
         """The problem of the whole run with its limits as they are given; None where it is too long for one."""
@@ -133,7 +144,7 @@ class MeshedRun(OnMesh):
         passed = law.nodes, law.times
         finer = MeshedRun(
             self.run, self.limits, self.with_ends(nodes, *self.ends), self.ends, self.highest, passed, self.ramp,
-            self._known,
+            self._known, (self.look, parts),
         )  # fmt: skip
         finer.lowered = np.repeat(self.lowered, np.append(parts, 1), axis=0)
         finer.between = self.between.among(finer.nodes)
@@ -185,5 +196,54 @@ class RowsBetween:
         """
         used, place = peaks.used, peaks.place
         return RowsBetween(
-            *inter_sample_rows.held(nodes, self.place, self.lowered, used, place, wrong, fresh, urge, ALLOWED)
+            *limit_rows.held(nodes, self.place, self.lowered, used, place, wrong, fresh, urge, ALLOWED)
         )
+
+
+def without_undershoot(law: SplineLaw) -> SplineLaw:
+    """The same z over a finer mesh, where it falls too far inside a cell; raised where it falls to nothing."""
+    for _ in range(MOST_SPLITS):
+        dips = law.dips()
+        if not dips.any():
+            break
+        short = too_short(law.nodes)
+        parts = np.where(dips & ~short, 4, 1)
+        finer = cut_cells(law.nodes, parts)
+        c, least = on_finer_mesh(law, finer)
+        z = law.z_at_nodes()
+        fallen = dips & (short | (lowest_z(law) <= NOTHING * np.minimum(z[:-1], z[1:])))
+        if fallen.any():
+            # all that touches the cells that have fallen
+            near = np.convolve(np.repeat(fallen, parts), np.ones(4)) > 0.0
+            c = np.where(near, np.maximum(c, least), c)
+            for end, (one, two) in enumerate(((0, 1), (-1, -2))):
+                if law.rest[end] > 0.0:
+                    c[two] = c[one] * (1.0 + 4.0 * abs(finer[two] - finer[one]) / (9.0 * law.rest[end]))
+        law = SplineLaw(finer, c, law.rest)
+    return law
+
+
+def on_finer_mesh(law: SplineLaw, finer: Floats) -> tuple[Floats, Floats]:
+    """Coefficients of the same z over a finer mesh (n,), and what they should not be below (n + 2,)."""
+    c = cubic_spline.on_finer_knots(law.nodes, law.cells, finer)
+    # one that has its three knots still is the same to the last digit: cells without a new knot are not checked again
+    at = np.searchsorted(law.nodes, finer)
+    old = (law.nodes[at] == finer) & (np.append(-1, at[:-1]) == at - 1)
+    same = np.flatnonzero(old[1:] & old[:-1]) + 1
+    c[same] = law.c[at[same]]
+    least: Floats = FLOOR * np.interp(cubic_spline.control_points(finer), law.nodes, law.z_at_nodes())
+    return c, least
+
+
+def too_short(nodes: Floats) -> npt.NDArray[np.bool_]:
+    """(n - 1,) cells that numbers do not resolve when they are cut."""
+    short: npt.NDArray[np.bool_] = np.diff(nodes) < SHORTEST * np.spacing(np.abs(nodes).max())
+    return short
+
+
+def lowest_z(law: SplineLaw) -> Floats:
+    """(n - 1,) least z in each cell, at the places where it is probed."""
+    x = np.diff(law.nodes)[:, None] * law.inside
+    a = law.cells.T[:, :, None]
+    z: Floats = (a[0] + x * (a[1] + x * (a[2] + x * a[3]))).min(axis=1)
+    return z

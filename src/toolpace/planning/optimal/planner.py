@@ -22,15 +22,14 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.laws.spline import SplineLaw
-from toolpace.path.axispath.run import AxisRun
-from toolpace.planning.bound.pieces import bound_long_run
-from toolpace.planning.bound.relaxation import places_in_time
+from toolpace.motion.laws import SplineLaw
+from toolpace.path.axis_run import AxisRun
+from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
 from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
-from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes
+from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes, without_falls
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
@@ -136,6 +135,8 @@ def held_law(
             law = law_with_switches(meshed, law, guard, workers, told, most_rounds)
         elif guard:
             law = held_between_nodes(meshed, law, cells is not None, workers, told, most_rounds)
+        elif cells is None:
+            law = without_falls(meshed, law, workers)
     except Stalled as stall:
         raise no_motion(run, stall, cells) from None
     progress(1.0)

@@ -1,8 +1,18 @@
-"""Solutions of a problem by the interior-point kernel, with restarts and reliefs."""
+"""Solutions of a problem by the interior-point kernel, with restarts, reliefs, and continuation in boundary speeds.
+
+Continuation, where a solve between ends in motion fails:
+
+k times the speed:  z, z' and z'' are k^2 times as much, jerk is k^3 times as much;  slow enough, all is within limits
+  k <- so slow that a start is well within all limits
+  repeat until k = 1
+      the ends at k times their speed:  solve, from the last answer at the new speed
+      found: k grows, to twice as much at most;   not found: it grows by less
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,11 +35,21 @@ AGREE = 1e-7
 on a very fine mesh the gradient is rounding."""
 BROKEN_BY = 1e-6
 """Usage beyond 1 of such a solve; what is more is seen between the nodes and mended there."""
-MOST_STEPS = 250
+MOST_STEPS = 400
+"""Where jerk alone holds a run, next to no velocity limit does, and nodes are close, steps are short for long:
+positioning moves take 200 to 300. Ended before, the same is done again from three slower starts."""
 MARGIN = 0.01
 """A start closer than this share to a limit has that limit relaxed at first."""
 LIMITS = ("a velocity limit or the feed", "an acceleration limit", "a jerk limit")
 """What the columns of usage and of peaks are called."""
+FASTER = 2.0
+"""How many times as fast the ends become from one solve to the next, at most."""
+GROWTH = 1.5
+"""Power by which that grows after a solve that found a way; after one that did not, its root is taken."""
+MOST_TRIES, MOST_IN_VAIN = 24, 4
+"""Solves after which no way is looked for, in all and of those that found none: each may take its most steps."""
+LOSS, SPREAD = 0.03, 0.03
+"""How a solve starts: the last answer, so much slower, and its first gap relative to the duration."""
 
 
 class Stalled(Exception):
@@ -196,3 +216,52 @@ def relief_of(used: Floats) -> Floats:
     excess = used - (1.0 - MARGIN)
     relief: Floats = np.where(excess > 0.0, 1.5 * excess + MARGIN, 0.0)
     return relief
+
+
+def solve_whole(problem: Problem, c: Floats, spread: float, idle: float = 0.0) -> Floats:
+    """Coefficients of the fastest z of a run as a whole, as `solve` finds them. Raises Stalled.
+
+    With an end in motion, what is within the limits counts however far from the optimum it is, since nothing slower
+    would be: the way to the end would be another one.
+    """
+    try:
+        return solve(problem, c, spread, idle=idle)
+    except Stalled as stall:
+        found = from_lower_boundary_speeds(problem, c) if stall.within is None else stall.within
+        if found is None:
+            raise
+        return found
+
+
+def from_lower_boundary_speeds(problem: Problem, c: Floats) -> Floats | None:
+    """Coefficients within the limits, by a start c; None where no way was found."""
+    begin = pinned(problem, c.copy())
+    inside = well_inside(problem, begin)
+    if not (inside > 0.0).all():
+        return None
+    speed, faster = float(np.sqrt(inside.max() / begin.max())), FASTER
+    now, in_vain = found_at(problem, speed, inside, 1.0), 0
+    for _ in range(MOST_TRIES):
+        if now is None or speed == 1.0 or in_vain == MOST_IN_VAIN:
+            break
+        wanted = min(speed * faster, 1.0)
+        scale = (wanted / speed) ** 2
+        found = found_at(problem, wanted, slower(problem, scale * now, LOSS + 1.0 - 1.0 / scale), SPREAD)
+        if found is None:
+            faster, in_vain = faster**0.5, in_vain + 1
+        else:
+            now, speed, faster = found, wanted, min(faster**GROWTH, FASTER)
+    return now if speed == 1.0 else None
+
+
+def found_at(problem: Problem, speed: float, start: Floats, first_gap: float) -> Floats | None:
+    """Coefficients within the limits with the ends at this share of their speed; None where none were found."""
+    attempt = attempted(with_ends_at(problem, speed), start, first_gap)
+    return attempt.c if attempt is not None and (attempt.optimal or attempt.holds) else None
+
+
+def with_ends_at(problem: Problem, speed: float) -> Problem:
+    """The problem with its ends in motion at this share of their speed."""
+    part = copy(problem)
+    part.fixed = problem.fixed * speed**2
+    return part

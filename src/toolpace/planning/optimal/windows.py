@@ -10,9 +10,8 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.kernels.optimal import newton
-from toolpace.planning.optimal.boundary_speed_continuation import solve_whole
 from toolpace.planning.optimal.meshed_run import MeshedRun
-from toolpace.planning.optimal.solve import Stalled, slower, solve
+from toolpace.planning.optimal.solve import Stalled, slower, solve, solve_whole
 
 MEND_RAMPS = 3.0
 """How far a mended place may move its surroundings, in times in which an acceleration builds up."""

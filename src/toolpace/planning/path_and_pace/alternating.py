@@ -18,8 +18,8 @@ from toolpace.common.errors import InfeasibleError, PathError
 from toolpace.common.workers import UNTOLD, Progress
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.axispath.axispath import AxisPath
-from toolpace.path.axispath.run import AxisRun
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.path import Path
@@ -27,7 +27,7 @@ from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
 from toolpace.planning.planned_run import PlannedRun
 from toolpace.planning.planner import plan
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
 
@@ -89,6 +89,8 @@ class Candidate(NamedTuple):
     """Along the path; None where nobody followed it."""
     whole: Mapping[AxisRun, PlannedRun] | None = None
     """Runs of these, among others, that are planned in whole already."""
+    run_times: tuple[float, ...] = ()
+    """How long the motion along each run was hoped to take [s]; none where nobody knows."""
 
 
 class Fastest(NamedTuple):
@@ -149,8 +151,8 @@ class AlternatingOptimisation:
     def change(self, start: Fastest | None) -> float:
         """A path that was fitted, changed once together with its pace, within the tolerance at hand: the time of its
         motion [s], infinite where there is none."""
-        from toolpace.planning.path_and_pace.effort_settings import QUICK
         from toolpace.planning.path_and_pace.local_refit import refitted
+        from toolpace.planning.path_and_pace.segment import QUICK
 
         if start is None:
             return np.inf
@@ -193,7 +195,8 @@ class AlternatingOptimisation:
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
         self.done.append(Round(motion.duration, power, kept, self.widest))
         candidate = self._candidate(motion.duration, path)
-        candidate = candidate._replace(joints=motion.axis_path, whole=self.ranking.whole)
+        of_runs = tuple(law.duration for law in motion.laws)
+        candidate = candidate._replace(joints=motion.axis_path, whole=self.ranking.whole, run_times=of_runs)
         if fitted is not None:
             # what was changed already is not changed again: it is rougher between the places where it was held
             self.levels[-1].append(candidate._replace(tolerances=fitted))

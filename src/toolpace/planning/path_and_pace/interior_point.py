@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.kernels.path_and_pace import newton
+from toolpace.kernels import path_and_pace as kernel
 from toolpace.planning.path_and_pace.segment import GROUPS, SLOT, State, Stretch
 
 RADIUS = 0.965
@@ -195,7 +195,7 @@ class Work:
         band = np.zeros((len(self.fixed), WIDTH))
         band[:, 0] = HELD
         bend = 0.75 * stretch.weight * self.now.z**-2.5
-        newton.matrix(stretch.places, self.now.felt, weight, bend, balls, moment, stretch.low, band)
+        kernel.matrix(stretch.places, self.now.felt, weight, bend, balls, moment, stretch.low, band)
         fix(band, self.fixed)
         return band
 
@@ -206,7 +206,7 @@ class Work:
         push = np.concatenate([ball[:, k, None] * self.now.force[:, g] for k, g in enumerate(GROUPS)], axis=1)
         pull = -0.5 * stretch.weight * self.now.z**-1.5
         out = np.zeros((stretch.cells + SLOT - 1, SLOT))
-        newton.gradient(stretch.places, self.now.felt, above - below, pull, stretch.tube.balls, push, stretch.low, out)
+        kernel.gradient(stretch.places, self.now.felt, above - below, pull, stretch.tube.balls, push, stretch.low, out)
         return -out.ravel()
 
     def _moved(self, move: Floats) -> tuple[Floats, Floats, Floats]:

@@ -1,4 +1,4 @@
-"""The linearised limits and tolerances of a segment under small changes of its path and speed.
+"""The linearised limits and tolerances of a segment under small changes of its path and speed, by effort.
 
 Over the time t of the motion at hand, tip and rotary joints x(t) change by d(t), and the pace by z = (dt / dt_new)^2,
 which was 1. The joints q then have, with primes for derivatives by t,
@@ -16,27 +16,27 @@ slot k: each cell has six neighbouring slots of six unknowns, the last of them t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.kernels.path_and_pace import newton, stations
+from toolpace.kernels import path_and_pace as kernel
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
-from toolpace.motion.laws.law import TimeLaw
-from toolpace.path.axispath.follow import FollowRun
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.samples import turn_metric
+from toolpace.path.fit.spline import turn_metric
+from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
-from toolpace.planning.path_and_pace.effort_settings import EffortSettings
 
 JERK = 0.98
 """Share of the jerk limits that the change may use: where an acceleration or a velocity at its limit tells the pace,
 what is left of the jerks is all the freedom that the plan of the changed path has."""
 NUDGE = 1e-4
 """By which coordinates are moved to see what joints do [m or rad]."""
-SLOT = stations.SLOT
+SLOT = kernel.SLOT
 """Unknowns of a slot, and slots of a cell."""
 GROUPS = slice(0, 3), slice(3, 5)
 """Columns of tip and turn: a ball each."""
@@ -97,7 +97,7 @@ class Tube:
             metric[:, :3, :3] = half.metric(at)
         metric[:, 3:, 3:] = turn_metric(rotary[0] / known.scale[4], float(known.scale[4]), known.machine)
         start = np.searchsorted(cell, np.arange(high - low + 1))
-        self.balls = newton.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
+        self.balls = kernel.Balls(low + cell, start, local_basis(known.breaks, 5, s, 0), metric)
 
     def moved(self, move: Floats) -> Floats:
         """(n, 5) the part of the path in a move (slots, 6)."""
@@ -121,7 +121,7 @@ class Stretch:
         assert jet.rotary is not None
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
         limits, cap = known.machine.limits, known.joints.speed_cap(s)
-        self.places = stations.Places(
+        self.places = kernel.Places(
             first=low + np.repeat(np.arange(self.cells), each),
             basis=by_place(in_time(np.stack([local_basis(known.breaks, 5, s, order) for order in range(4)]), state)),
             pace=by_place(np.stack([local_basis(known.times, 3, t, order) for order in range(3)])),
@@ -135,15 +135,15 @@ class Stretch:
     def at(self, x: Floats) -> State:
         """What is felt with coefficients x (slots, 6)."""
         n, _, m = self.places.joints.shape
-        felt = stations.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
-        stations.feel(self.places, x, felt)
+        felt = kernel.Felt(np.empty((n, 3)), np.empty((n, 3, m)), np.empty((n, 3 * m + 1)))
+        kernel.feel(self.places, x, felt)
         off = self.tube.off + self.tube.moved(x)
         return State(felt, off, np.einsum("ncd,nd->nc", self.tube.balls.metric, off))
 
     def rows_moved(self, now: State, move: Floats) -> Floats:
         """(n, 3 m + 1) how what is used changes with a move (slots, 6), to the first order."""
         rows = np.empty_like(now.used)
-        stations.move_rows(self.places, now.felt, move, rows)
+        kernel.move_rows(self.places, now.felt, move, rows)
         return rows
 
 
@@ -151,7 +151,7 @@ class Stretch:
 class State:
     """A stretch with some change."""
 
-    felt: stations.Felt
+    felt: kernel.Felt
     """At the places of its rows."""
     off: Floats
     """(k, 5) deviation from the program where the tube is held [tolerances]."""
@@ -215,3 +215,25 @@ def moves(machine: Machine, tip: Floats, rotary: Floats) -> Floats:
 def slots_of(breaks: Floats) -> int:
     """How many slots a run with these breaks has."""
     return len(breaks) + 4
+
+
+class EffortSettings(NamedTuple):
+    """The discretisation of the change, and when its methods are at their end."""
+
+    longest: float
+    """Most time from knot to knot, in that in which an acceleration builds up."""
+    places: int
+    """In each cell, evenly spread, at which limits are held."""
+    gap: float
+    """At which the interior-point method ends, relative to the time."""
+    steps: int
+    """After which it ends in any case."""
+    seams: bool
+    """Whether windows over the seams of the others follow."""
+
+
+THOROUGH = EffortSettings(0.08, 4, 1e-2, 60, True)
+"""All that is to be had, nearly."""
+QUICK = EffortSettings(0.08, 2, 0.1, 14, False)
+"""Most of it for a tenth of the time: between its places limits are passed a little, which the plan of the path
+mends."""

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from toolpace.common.errors import UsageError
 from toolpace.programs.commanded import Commanded
-from toolpace.programs.reading.block_numbers import numbered_blocks
-from toolpace.programs.reading.control.garbage_collector import at_rest
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.controllers.doubt import doubts
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
-from toolpace.programs.reading.dialect import CONTROLS
 from toolpace.programs.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
 from toolpace.programs.reading.findings import Findings
-from toolpace.programs.reading.languages import Recognised, reader_of, recognised
+from toolpace.programs.reading.languages import CONTROLS, Recognised, reader_of, recognised
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.source import Source, numbered_blocks
 from toolpace.programs.toolpath import ToolPath
 
 __all__ = [
@@ -114,7 +114,7 @@ def read_source(
     options.check(machine)
     findings = Findings() if findings is None else findings
     found = recognised(source, dialect, options)
-    with at_rest():
+    with _without_garbage_collection():
         toolpath = _run(found, source, machine, options, findings)
         said = _doubts(found, source, machine, options, toolpath, findings)
         for sentence in said:
@@ -145,7 +145,7 @@ def read_commanded(
             "program that a post-processor writes from it"
         )
     findings = Findings() if findings is None else findings
-    with at_rest():
+    with _without_garbage_collection():
         control = reader_of(source, machine, found.controller, options, findings).executed()
         commanded = control.commanded()
         if found.others and len(commanded) > 1:
@@ -190,8 +190,20 @@ def _run(
         from toolpace.programs.reading.cldata.reader import ClReader
 
         return ClReader(source, machine, options, findings).run()
-    from toolpace.programs.reading.coordinates.tool_lengths import ToolLengths
+    from toolpace.programs.reading.points import ToolLengths
     from toolpace.programs.reading.table import read_table
 
     lengths = ToolLengths(source, options.setup, machine, findings)
     return read_table(source, lengths, options)
+
+
+@contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    """Reading makes millions of moves and no cycles of objects; the collector would go through them again and again."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()

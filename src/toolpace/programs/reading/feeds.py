@@ -18,6 +18,8 @@ SLOW, LONG = 20.0 * MILLIMETRE / MINUTE, 300.0
 """A feed below the one [m/s], for longer than the other [s], is seldom meant: F3 for 3 m/min."""
 LEAST, MOST = 1e-6, 1e6
 """Between which a factor of feeds lies."""
+LONGEST_DWELL = 86400.0
+"""A day [s]: a longer dwell is a slip of units."""
 LONGEST = 86400.0 * 366
 """Most time of one block [s]."""
 

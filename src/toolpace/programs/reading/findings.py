@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from toolpace.common.description import counted
 from toolpace.common.errors import ProgramError, printable
+from toolpace.common.value_objects import counted
 from toolpace.programs.reading.source import Source
 
 MOST_LISTED = 60
@@ -93,11 +93,11 @@ class Findings:
     def refused(self, word: str, line: int, cure: str, *, certain: bool = False) -> None:
         """Note a word that is not read; later ones are counted, with the line and the cure of the first."""
         word = _shown(word)
-        known = self._refusals.get(word)
-        if known is None:
+        refusal = self._refusals.get(word)
+        if refusal is None:
             self._refusals[word] = Refusal(word, line, 1, cure, certain)
         else:
-            self._refusals[word] = replace(known, line=min(line, known.line), count=known.count + 1)
+            self._refusals[word] = replace(refusal, line=min(line, refusal.line), count=refusal.count + 1)
 
     def stops(self, what: str, line: int, cure: str) -> None:
         """Note what the control stops at, though its meaning is certain and it is read."""

@@ -12,13 +12,12 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import FeedMissingError, ProgramError, ToolpaceError
 from toolpace.programs.reading import read_source
+from toolpace.programs.reading.control.state import EndlessError
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
-from toolpace.programs.reading.dialect import CONTROLS
-from toolpace.programs.reading.execution_limit import EndlessError
 from toolpace.programs.reading.findings import Findings, Refusal, Used
-from toolpace.programs.reading.languages import Recognised, recognised
+from toolpace.programs.reading.languages import CONTROLS, Recognised, recognised
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.setup_sheet import with_cure_of_zero
+from toolpace.programs.reading.setup_file import with_cure_of_zero
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import ToolPath
 
@@ -88,7 +87,7 @@ class Inspection:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """What was said of the program, and what is asked of machines."""
 
     dialect: str | None
@@ -138,21 +137,21 @@ def inspect_source(
     except ProgramError as error:
         return unreadable(source.name, error)
     options = dataclasses.replace(options, controller=found.controller)
-    asked = _Asked(dialect, feed, follow)
-    readings = _readings(source, options, machines, found, asked)
+    request = _Request(dialect, feed, follow)
+    readings = _readings(source, options, machines, found, request)
     best = max(readings, key=lambda reading: reading.rank)
     needs: tuple[str, ...] = ()
     if isinstance(best.fault, FeedMissingError):
         needs = (f"line {best.fault.line}: {_message(best.fault, source.name)}",)
-        asked = dataclasses.replace(asked, feed=STAND_IN_FEED)
-        readings = _readings(source, options, machines, found, asked)
+        request = dataclasses.replace(request, feed=STAND_IN_FEED)
+        readings = _readings(source, options, machines, found, request)
         best = max(readings, key=lambda reading: reading.rank)
     if found.others and best.toolpath is not None:
         in_doubt = dataclasses.replace(options, others=found.others, skip_unknown=True)
-        best = dataclasses.replace(_read(source, best.machine, asked, in_doubt), fault=best.fault)
+        best = dataclasses.replace(_read(source, best.machine, request, in_doubt), fault=best.fault)
     runs = tuple(r.machine.name for r in readings if r.machine is not None and r.fault is None)
     name = found.controller.name if found.controller is not None else found.dialect
-    told = Inspection(
+    inspection = Inspection(
         program=source.name,
         dialect=name,
         reason=found.reason,
@@ -168,24 +167,24 @@ def inspect_source(
         arcs=best.findings.arcs,
         tools=tuple(best.findings.used.tools),
     )
-    return told if best.toolpath is None else _with_motion(told, best.toolpath)
+    return inspection if best.toolpath is None else _with_motion(inspection, best.toolpath)
 
 
 def _readings(
-    source: Source, options: ReadOptions, machines: Sequence[Candidate], found: Recognised, asked: _Asked
+    source: Source, options: ReadOptions, machines: Sequence[Candidate], found: Recognised, request: _Request
 ) -> list[_Reading]:
     """The program on each machine; what is for no controller, or ends on none, is read but once."""
     lenient = dataclasses.replace(options, skip_unknown=True)
     if found.dialect != CONTROLS or not machines:
-        once = _read(source, None, asked, lenient)
+        once = _read(source, None, request, lenient)
         if once.toolpath is None or not machines:
             return [once]
-        return [_followed(dataclasses.replace(once, machine=machine), asked.follow) for machine in machines]
+        return [_followed(dataclasses.replace(once, machine=machine), request.follow) for machine in machines]
     readings: list[_Reading] = []
     for machine in machines:
         endless = next((each for each in readings if isinstance(each.fault, EndlessError)), None)
-        reading = dataclasses.replace(endless, machine=machine) if endless else _read(source, machine, asked, lenient)
-        readings.append(_followed(reading, asked.follow))
+        reading = dataclasses.replace(endless, machine=machine) if endless else _read(source, machine, request, lenient)
+        readings.append(_followed(reading, request.follow))
     return readings
 
 
@@ -198,10 +197,10 @@ def _counts_as_the_part(machine: Candidate | None) -> bool:
     return np.allclose(columns, np.eye(3), atol=TURNED)
 
 
-def _read(source: Source, machine: Candidate | None, asked: _Asked, options: ReadOptions) -> _Reading:
+def _read(source: Source, machine: Candidate | None, request: _Request, options: ReadOptions) -> _Reading:
     findings = Findings()
     try:
-        toolpath = read_source(source, machine, asked.dialect, options, feed=asked.feed, findings=findings)
+        toolpath = read_source(source, machine, request.dialect, options, feed=request.feed, findings=findings)
     except ToolpaceError as error:
         # without what was going on when it was raised, which holds all that was read
         return _Reading(machine, findings, None, error.with_traceback(None))
@@ -261,7 +260,7 @@ def _why_not(reading: _Reading, best: _Reading, source: Source) -> str:
     return at + message
 
 
-def _with_motion(told: Inspection, toolpath: ToolPath) -> Inspection:
+def _with_motion(inspection: Inspection, toolpath: ToolPath) -> Inspection:
     """What the motion tells: counts of blocks, and extents."""
     tip, axis = toolpath.tip, toolpath.axis
     turns = np.abs(np.diff(axis, axis=0)).max(axis=1) > TURNED
@@ -272,14 +271,14 @@ def _with_motion(told: Inspection, toolpath: ToolPath) -> Inspection:
     rotary = toolpath.rotary if toolpath.rotary is not None else np.zeros((len(tip), 0))
     x, y, z = (_range(tip[:, k]) for k in range(3))
     return dataclasses.replace(
-        told,
-        blocks=toolpath.blocks or told.blocks,
+        inspection,
+        blocks=toolpath.blocks or inspection.blocks,
         five_axis_blocks=_blocks_with(turns, toolpath.block[1:]),
         rapids=_blocks_with(toolpath.rapid[1:], toolpath.block[1:]),
         stops=int(toolpath.stop[1:-1].sum()),
         dwells=int((toolpath.dwell > 0.0).sum()),
         dwell_s=float(toolpath.dwell.sum()),
-        tools=tuple(dict.fromkeys([*told.tools, *tools])),
+        tools=tuple(dict.fromkeys([*inspection.tools, *tools])),
         tip=(x, y, z),
         tilt=_range(tilt),
         rotary={name: _range(rotary[:, k]) for k, name in enumerate(toolpath.rotary_joints) if rotary.shape[1] > k},

@@ -57,8 +57,8 @@ class ReadOptions:
     ) -> ReadOptions:
         """Options as people give them: names and files are loaded. Raises UsageError."""
         if machine is not None and not callable(getattr(machine, "rotary_solutions", None)):
-            given = f"'{machine}'" if isinstance(machine, str) else type(machine).__name__
-            raise UsageError(f"read: machine is {given}; give a Machine, such as Machine.load('xyzac-trunnion')")
+            shown = f"'{machine}'" if isinstance(machine, str) else type(machine).__name__
+            raise UsageError(f"read: machine is {shown}; give a Machine, such as Machine.load('xyzac-trunnion')")
         if isinstance(controller, (str, Path)):
             controller = Controller.load(controller)
         if controller is not None and not isinstance(controller, Controller):

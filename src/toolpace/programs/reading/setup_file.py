@@ -1,4 +1,4 @@
-"""Set-up sheets from TOML, and back.
+"""Set-up sheets from TOML, and back; and a sheet to fill in, from what a program uses.
 
 Lengths are in mm and angles in deg unless a table [units] says otherwise.
 """
@@ -7,30 +7,76 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from toolpace.common.errors import UsageError
-from toolpace.common.files.tables import TableFile
-from toolpace.common.files.toml import toml_text
+from toolpace.common.errors import ReachError, UsageError, printable
+from toolpace.common.files.toml import TableFile, Tables, toml_key, toml_text
+from toolpace.common.units import DEGREE, INCH, MILLIMETRE
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
-from toolpace.programs.reading.coordinates.setup import Position, SetUp, Tool, tool_name
-from toolpace.programs.reading.in_units import ANGLES, LENGTHS, TablesInUnits
+from toolpace.programs.reading.coordinates.placement import Datum
+from toolpace.programs.reading.coordinates.setup import (
+    LONGEST_CHANGE,
+    STAND_IN,
+    ZERO_CURE,
+    Position,
+    SetUp,
+    Tool,
+    tool_name,
+)
+from toolpace.programs.reading.findings import Used
+from toolpace.programs.reading.points import FARTHEST
 
 FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
 TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
-FARTHEST, LONGEST_TOOL, MOST_TURN = 1000.0, 10.0, 1e6
-"""Most of a coordinate [m], of a tool [m], of an angle [rad]: more is a slip of units."""
+LONGEST_TOOL, MOST_TURN = 10.0, 1e6
+"""Most of a tool [m], of an angle [rad]: more is a slip of units."""
 MOST_REFERENCES = 4
 LONGEST_NAME = 100
 """Characters of a heading or a variable."""
-LONGEST_CHANGE = 3600.0
-"""Of a tool [s]."""
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 _P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
+LENGTHS = {"mm": MILLIMETRE, "m": 1.0, "in": INCH}
+ANGLES = {"deg": DEGREE, "rad": 1.0}
+HEAD = """\
+# Set-up sheet of {program}{machine}.
+# The figures are those that are taken without a sheet: put in those of the machine, and give it with --setup FILE.
+# A table that is taken out has its stand-in again.
+# With work offsets, words where no tool length counts (G49, D0) are those of the spindle nose, as on the control;
+# without them they are those of the machine's own tool.
+
+[units]
+length = "mm"  # or "m", "in"
+angle = "deg"  # or "rad"
+"""
+ZERO = "Joint positions (as the machine file counts them) at which the machine's own display shows zero."
+OFFSET = "Origin of the work offset in machine coordinates, as the control's table of offsets has it."
+REFERENCE = "Reference point of {word}, in machine coordinates."
+TOOL = "From the spindle nose to the tip, as the control's tool table has it; with `radius` where G41 or RL is used."
+_OUT_OF_TRAVEL = re.compile(r" its limit of \S+ mm")
+
+
+class TablesInUnits(Tables):
+    """One reading of such a file."""
+
+    def __init__(self, source: str, raw: Mapping[str, Any], name: str, tables: tuple[str, ...]) -> None:
+        """name: what the file is called in messages; tables: those that it may have."""
+        super().__init__(source, raw)
+        self.known(name, raw, tables)
+        units = self.table("units")
+        self.known("[units]", units, ("length", "angle"))
+        self.length = self._unit(units, "length", LENGTHS, "mm")
+        self.angle = self._unit(units, "angle", ANGLES, "deg")
+
+    def _unit(self, units: Mapping[str, object], key: str, scales: Mapping[str, float], usual: str) -> str:
+        found = units.get(key, usual)
+        if not isinstance(found, str) or found not in scales:
+            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, scales))}")
+        return found
 
 
 def load_setup(path: str | Path) -> SetUp:
@@ -61,8 +107,8 @@ def setup_text(setup: SetUp) -> str:
         "variables": dict(setup.variables),
         "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
     }
-    given = {name: table for name, table in tables.items() if table}
-    return toml_text({"units": {"length": "m", "angle": "rad"}, **given})
+    filled = {name: table for name, table in tables.items() if table}
+    return toml_text({"units": {"length": "m", "angle": "rad"}, **filled})
 
 
 def setup_in(machine: object) -> SetUp:
@@ -75,16 +121,16 @@ def setup_in(machine: object) -> SetUp:
 def check_setup(setup: SetUp, machine: Kinematics) -> None:
     """Raise UsageError where the sheet names an axis that the machine does not have, or clamps the part elsewhere."""
     source = setup.source or "set-up sheet"
-    known = Poses(machine).slots()
+    slots = Poses(machine).slots()
     places: dict[str, Position] = {f"offsets.{name}": place for name, place in setup.offsets.items()}
     places |= {f"references.{number}": place for number, place in setup.references.items()}
     places |= {"machine_zero": setup.machine_zero, "start": setup.start}
     for name, place in places.items():
         for letter in place:
-            if letter not in known:
+            if letter not in slots:
                 raise UsageError(
                     f"{source}: [{name}] {letter}: machine '{machine.name}' has no axis {letter}, its axes are "
-                    f"{', '.join(known)}; remove the line, or choose the right machine"
+                    f"{', '.join(slots)}; remove the line, or choose the right machine"
                 )
     mounted = getattr(machine, "mounted", None)
     if setup.part and mounted is not None and mounted(**setup.part) != machine:
@@ -168,8 +214,8 @@ class _Sheet(TablesInUnits):
                     cure = "the tool's own, from zero on: for a negative one of a control G41 and G42 change places"
                 self.fail(place, f"{key} = {table[key]!r} is below zero; write {cure}")
         length, radius, corner = figures
-        told = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
-        return Tool(length, *told)
+        radii = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
+        return Tool(length, *radii)
 
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")
@@ -221,3 +267,61 @@ class _Sheet(TablesInUnits):
 def offset_name(heading: str) -> str:
     """The name of a work offset as readers call it: G54, "G54.1 P12"."""
     return _P_WORD.sub(" P", " ".join(heading.upper().split()))
+
+
+@contextmanager
+def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
+    """Where a linear joint leaves its travel: name the sheet first where machine zero is a stand-in of the reader.
+
+    assumed: what the reader took for granted. Raises the ReachError of the context, with that cure.
+    """
+    try:
+        yield
+    except ReachError as error:
+        reason, _, cure = str(error).rpartition("; ")
+        if not _OUT_OF_TRAVEL.search(reason) or not any(STAND_IN in sentence for sentence in assumed):
+            raise
+        raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
+
+
+def setup_sheet(program: str, used: Used, machine: Kinematics | None, setup: SetUp) -> str:
+    """The text of a sheet (TOML) with all that the program uses, one line a figure.
+
+    machine: tells the axes and the stand-ins; None: X, Y and Z at zero. setup: figures of a sheet that there is.
+    """
+    poses = Poses(machine)
+    own, filled = Datum(poses, SetUp()), Datum(poses, setup)
+    parts = [HEAD.format(program=printable(program), machine=f" on {machine.name}" if machine is not None else "")]
+    if used.machine_zero or used.offsets or used.references or setup.machine_zero:
+        parts.append(_table("machine_zero", ZERO, _by_letter(poses, filled.zero)))
+    for offset in dict.fromkeys([*used.offsets, *setup.offsets]):
+        wanted = setup.offsets.get(offset)
+        figures = _by_letter(poses, _origin(own, filled)) | dict(wanted or {})
+        parts.append(_table(f"offsets.{toml_key(offset)}", OFFSET, figures))
+    for number in dict.fromkeys([*used.references, *setup.references]):
+        said = REFERENCE.format(word="G28" if number == 1 else f"G30 P{number}")
+        parts.append(_table(f"references.{number}", said, filled.reference(number)))
+    for name in dict.fromkeys(map(tool_name, [*used.tools, *setup.tools])):
+        tool = setup.tool(name)
+        figures = {"length": own.own_length} if tool is None else tool.figures()
+        parts.append(_table(f"tools.{toml_key(name)}", TOOL, figures))
+    return "\n".join(parts)
+
+
+def _origin(own: Datum, filled: Datum) -> list[float]:
+    """Machine coordinates of the stand-in of a work offset: the origin of the part, with no tool."""
+    joints = [a - own.own_length * float(b) for a, b in zip(own.home, own.lift)]
+    values = [*joints, *[0.0] * len(own.poses.rotary)]
+    return [a - b for a, b in zip(values, filled.zero)]
+
+
+def _by_letter(poses: Poses, values: list[float]) -> dict[str, float]:
+    return {letter: values[slot] for letter, slot in poses.slots().items()}
+
+
+def _table(heading: str, said: str, figures: Mapping[str, float]) -> str:
+    lines = [f"# {said}", f"[{heading}]"]
+    for key, value in figures.items():
+        shown = math.degrees(value) if key in ("A", "B", "C") else value * 1e3
+        lines.append(f"{key} = {round(shown, 9) + 0.0!r}")
+    return "\n".join(lines) + "\n"

@@ -1,14 +1,18 @@
-"""The text and name of a program."""
+"""The text of a program by line, from a file, and its block numbers."""
 
 from __future__ import annotations
 
 import itertools
 import os
+import re
 import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, NoReturn
 
+import numpy as np
+
+from toolpace.common.arrays import Ints
 from toolpace.common.errors import ProgramError, UsageError
 
 ORDINARY_CONTROLS = frozenset(b"\t\n\v\f\r\x1a")
@@ -22,6 +26,10 @@ LONGEST_MESSAGE = 1500
 """Characters; of a message that is longer, since a word in it has no end, the middle is left out."""
 MOST_NAMES = 2000
 """Files in a folder up to which one of a similar name is looked for."""
+_NUMBER = re.compile(
+    r"[ \t]*+(?:/[0-9]?[ \t]*+(?=[N:])|/[ \t]*+)?(?:[N:][ \t]*+)?([0-9]{1,9})(?![0-9.])", re.IGNORECASE
+)
+"""At the head of a line, behind the slash of a block that may be passed over."""
 
 
 @dataclass(frozen=True)
@@ -153,3 +161,10 @@ def _is_file(name: str) -> bool:
         return Path(name).is_file()
     except (OSError, ValueError):
         return False
+
+
+def numbered_blocks(source: Source) -> Ints:
+    """(k, 2) number and line, from 1, of each numbered block."""
+    match = _NUMBER.match
+    found = [(int(head[1]), line) for line, text in enumerate(source.lines, start=1) if (head := match(text))]
+    return np.array(found, dtype=np.int64).reshape(-1, 2)

@@ -10,16 +10,13 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import FeedMissingError, UsageError
 from toolpace.common.units import FEEDS, LENGTHS, TIMES
-from toolpace.programs.reading.coordinates.tool_lengths import ToolLengths
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.points import ProgramFacts, ProgramPoints, assemble
+from toolpace.programs.reading.points import FARTHEST, ProgramFacts, ProgramPoints, ToolLengths, assemble
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import Operation, ToolPath
 
 EXAMPLE = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]"
 POINT, AXIS, OPTIONAL = ("x", "y", "z"), ("i", "j", "k"), ("feed", "rapid", "stop", "dwell")
-FARTHEST = 1e3
-"""Most of a coordinate [m]."""
 # Nothing that was matched is given back: a cell is read once, however long it is.
 _COLUMN = re.compile(r"\s*+\"?+\s*+([A-Za-z]++)\s*+(?:[\[(]([^\])]*+)[\])]\s*+)?+\"?+\s*+")
 
@@ -92,11 +89,11 @@ def _is_header(source: Source, row: str, line: int, delimiter: str | None) -> bo
     return True
 
 
-def _columns(source: Source, header: str, line: int, delimiter: str, given: str) -> dict[str, float]:
+def _columns(source: Source, header: str, line: int, delimiter: str, usual: str) -> dict[str, float]:
     """Columns in order, with the factor from their unit to SI; where they name none, the lengths are in one `given`."""
-    given = given.strip().lower()
-    if given and given not in LENGTHS:
-        raise UsageError(f"--units '{given[:20]}' is not known: give one of {', '.join(filter(str.isascii, LENGTHS))}")
+    usual = usual.strip().lower()
+    if usual and usual not in LENGTHS:
+        raise UsageError(f"--units '{usual[:20]}' is not known: give one of {', '.join(filter(str.isascii, LENGTHS))}")
     scale: dict[str, float] = {}
     for cell in header.split(delimiter):
         match = _COLUMN.fullmatch(cell)
@@ -106,16 +103,16 @@ def _columns(source: Source, header: str, line: int, delimiter: str, given: str)
         if name in scale:
             source.fail(f"column {name} stands twice in the header: remove one", line)
         units = LENGTHS if name in POINT else FEEDS if name == "feed" else TIMES if name == "dwell" else None
-        if given and unit and name in POINT and LENGTHS[given] != LENGTHS.get(unit):
-            source.fail(f"column {name} is in {unit[:20]}, and --units says {given}: leave one of both out", line)
-        if not unit and given:
-            unit = given if name in POINT else "s" if name == "dwell" else f"{given}/min"
+        if usual and unit and name in POINT and LENGTHS[usual] != LENGTHS.get(unit):
+            source.fail(f"column {name} is in {unit[:20]}, and --units says {usual}: leave one of both out", line)
+        if not unit and usual:
+            unit = usual if name in POINT else "s" if name == "dwell" else f"{usual}/min"
         if units is None:
             scale[name] = 1.0
         elif unit not in units:
-            known = ", ".join(key for key in units if key.isascii())
+            allowed = ", ".join(key for key in units if key.isascii())
             what = f"unit '{unit[:20]}' of column {name} is not known" if unit else f"column {name} names no unit"
-            source.fail(f"{what}: write one of {known} in brackets, like {EXAMPLE}; or give --units mm", line)
+            source.fail(f"{what}: write one of {allowed} in brackets, like {EXAMPLE}; or give --units mm", line)
         else:
             scale[name] = units[unit]
     missing = [name for name in POINT if name not in scale]

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from toolpace.common.description import counted
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.motion.setpoints import SetPoints
 from toolpace.results.report import shell
 from toolpace.results.report.words import at_most, mesh_gap, motion_gap, percent

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toolpace.common import __version__
 from toolpace.common.arrays import Floats
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
-from toolpace.common.version import __version__
 from toolpace.results.report import shell
 from toolpace.results.report.words import BARS, NEUTRAL, at_most, colours, limit_words, percent
 

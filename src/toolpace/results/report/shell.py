@@ -14,7 +14,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from toolpace.common.version import __version__
+from toolpace.common import __version__
 
 _INLINE = re.compile(r"<(script|style)((?: [^>]*)?)>(.*?)</\1>", re.DOTALL)
 _HEAD = '<meta charset="utf-8">'

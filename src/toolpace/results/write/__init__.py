@@ -11,20 +11,29 @@ import msgspec
 
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_folder
+from toolpace.machine.machine import Machine
+from toolpace.motion.files.set_point_files import (
+    COMPACT_FILE,
+    FULL_FILE,
+    MACHINE,
+    file_of,
+    form_of,
+    set_points_file,
+    write_set_points,
+)
+from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.results.write.csv import write_csv
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
 
 __all__ = [
-    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "SET_POINTS", "TABLE", "TOOL", "WRITING", "PlanRecord",
+    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
     "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
     "write_folder",
 ]  # fmt: skip
 
-SET_POINTS = "setpoints.npz"
 TABLE = "setpoints.csv"
-MACHINE = "machine.toml"
 REPORT = "report.html"
 """Names of the files beside plan.json."""
 WRITING = "writing"
@@ -37,12 +46,15 @@ def write_folder(
     *,
     csv: bool = False,
     report: bool = True,
-    npz: bool = True,
+    npz: str = "auto",
     progress: Callable[[float], None] | None = None,
 ) -> PlanRecord:
     """Write machine.toml, a copy of the program (program.<ext>), controller.toml and setup.toml where it was read with
-    them, tool.toml where its bending is compensated, as asked setpoints.npz, setpoints.csv and report.html, and last
+    them, tool.toml where its bending is compensated, as asked set-points, setpoints.csv and report.html, and last
     plan.json; return what plan.json says.
+
+    `npz` is "full" for setpoints.npz, "compact" for setpoints.compact, "auto" for the one of them that suits their
+    number, or "no". With set-points comes trajectory.compact, path and speed laws, where it is a planned program.
 
     `progress` is called with the share done. Everything is written to a temporary folder beside `directory`, which
     takes its place in one step. What is there already is replaced only where toolpace wrote all of it; where it is
@@ -53,9 +65,12 @@ def write_folder(
     record = result.record()
     with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
-        if npz:
-            result.setpoints.save(folder / SET_POINTS)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
+        form = form_of(npz, len(result.setpoints), len(result.machine.joints))
+        # who reads them has the machine of the file, whose figures were rounded to decimals
+        write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
+        if form != "no" and is_writable(result.trajectory.axis_path, result.trajectory.laws):
+            write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
         write_how_read(folder, result.options)
@@ -92,19 +107,23 @@ def copy_program(result: PlanResult, copy: Path) -> None:
 
 def refuse_without_set_points(folder: Path, what: str) -> None:
     """Raise UsageError where the folder of a plan has no set-points: nothing can then be `what`."""
-    if os.path.lexists(folder / SET_POINTS):
+    if set_points_file(folder):
         return
     sealed = sealed_files(folder)
-    why = (
-        "was taken out of it" if SET_POINTS in sealed else "was not written (--npz none)" if sealed else "is not there"
-    )
+    gone = next((name for name in (FULL_FILE, COMPACT_FILE) if name in sealed), "")
+    why = "was taken out of it" if gone else "was not written (--npz no)" if sealed else "is not there"
     raise UsageError(
-        f"{folder}: {SET_POINTS} {why}, and without set-points nothing can be {what}; plan again without --npz none"
+        f"{folder}: {gone or FULL_FILE} {why}, and without set-points nothing can be {what}; "
+        "plan again without --npz no"
     )
 
 
-def written_files(program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: bool = True) -> list[str]:
-    """Names of the files of a plan, the one to look at last."""
+def written_files(
+    program: Path, record: PlanRecord, *, csv: bool, report: bool, npz: str = "auto", trajectory: bool = True
+) -> list[str]:
+    """Names of the files of a plan, the one to look at last; `trajectory` tells whether path and laws are there."""
+    points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
+    motion = [points, *[TRAJECTORY] * trajectory] if points else []
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
     how += [record.bending.tool_file] if record.bending is not None else []
-    return [PLAN, *[SET_POINTS] * npz, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report
+    return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
 from toolpace.motion.setpoints import SetPoints
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write.plan_json import OpenPlaceRecord, OperationRecord, RoundRecord, UsageRecord
 
 if TYPE_CHECKING:

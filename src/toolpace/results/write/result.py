@@ -10,21 +10,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
-from toolpace.common.version import __version__
-from toolpace.cutting.bending.compensated_program import BendingCompensation
+from toolpace.cutting.compensated_program import BendingCompensation
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.motion.operation_times import operation_times
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.tolerances.tolerances import Tolerances
+from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write import figures
 from toolpace.results.write.plan_json import PLAN, BendingRecord, PlanRecord
 from toolpace.results.write.reading_options import reading_record
 
 if TYPE_CHECKING:
-    from toolpace.cutting.bending.compensated_program import BendingCompensation
+    from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory

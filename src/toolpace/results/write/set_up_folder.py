@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toolpace.common import __version__
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_folder
 from toolpace.common.units import DEGREE, MILLIMETRE, format_time
-from toolpace.common.version import __version__
 from toolpace.programs.reading.setup_file import setup_text
 from toolpace.results.report.set_up_page import map_svg, set_up_page
 from toolpace.results.write.cldata import cldata_text

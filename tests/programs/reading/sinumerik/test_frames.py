@@ -12,7 +12,7 @@ from testbed.true_tip.chain import Chain
 from tests.support.sinumerik import START, last, machine, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-from toolpace.programs.reading.sinumerik.syntax.frame_functions import solid
+from toolpace.programs.reading.sinumerik.syntax.values import solid
 
 
 def test_trans_replaces_and_atrans_appends():

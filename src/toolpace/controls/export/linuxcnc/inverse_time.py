@@ -19,9 +19,9 @@ from typing import ClassVar
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.description import counted
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.common.units import format_time
+from toolpace.common.value_objects import counted
 from toolpace.controls.export.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
 from toolpace.controls.export.linuxcnc.stream_text import Section, StreamText, longer_by, sections_of
 from toolpace.controls.export.motion import PlannedMotion, provenance

@@ -7,13 +7,12 @@ import math
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.programs.reading.cldata.feed import Caps
+from toolpace.programs.reading.arcs import SAG, Arc, ArcTable
+from toolpace.programs.reading.cldata.state import Caps
 from toolpace.programs.reading.control.unroll import slerp
-from toolpace.programs.reading.coordinates.tool_lengths import ToolLengths
-from toolpace.programs.reading.curves.arcs import SAG, Arc, ArcTable
-from toolpace.programs.reading.curves.splines import Spline
-from toolpace.programs.reading.points import ProgramFacts, ProgramPoints, assemble, unit_axes
+from toolpace.programs.reading.points import FARTHEST, ProgramFacts, ProgramPoints, ToolLengths, assemble, unit_axes
 from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.splines import Spline
 from toolpace.programs.toolpath import Operation, ToolPath
 
 MOST_POINTS = 50_000_000
@@ -73,7 +72,7 @@ class Track:
 
     def move(self, tip: Point, line: int, caps: Caps | None, curve: Arc | Spline | None = None) -> None:
         """Reach a point [m], straight or along a curve; as a rapid (RAPID) where nothing bounds it."""
-        if not max(map(abs, tip)) <= 1e3:
+        if not max(map(abs, tip)) <= FARTHEST:
             self.source.fail("this point is more than a kilometre away: check the numbers and UNITS", line)
         if self._next is not None:
             self._operations.append(self._next)

@@ -1,16 +1,15 @@
-"""Corners of a contour, by the rules of a control."""
+"""Corners of a compensated way, from the intersections of offset elements."""
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import NoReturn
 
-from toolpace.programs.reading.compensation.crossings import crosses
-from toolpace.programs.reading.compensation.elements import Element, Line, Turn, turning, unit
-from toolpace.programs.reading.compensation.meetings import between, beyond, gone, meetings
-from toolpace.programs.reading.compensation.rules import ARC, MEETING, Rules
-from toolpace.programs.reading.compensation.stage import OffsetStage
+from toolpace.programs.reading.arcs import ROUNDING
+from toolpace.programs.reading.compensation.elements import Element, Line, Turn, swept, turning, unit
+from toolpace.programs.reading.compensation.stage import ARC, MEETING, OffsetStage, Rules
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import Rate
 
@@ -20,6 +19,10 @@ BACK = math.radians(179.0)
 """Turn from which on a contour goes back on itself."""
 ROUNDED = 2e-6
 """How far a way may go back before it is a gouge [m]: programs are rounded."""
+AT_END = 1e-6
+"""Within which of the end of a piece it is met, and not crossed [m]."""
+TOUCHING = 1e-3
+"""Sine of the angle below which two pieces touch, and do not cross."""
 
 
 @dataclass(frozen=True)
@@ -158,3 +161,125 @@ class Corners(OffsetStage):
             f"the tool of radius {self.radius * 1e3:.6g} mm does not fit into the contour before this block, and "
             f"{self.rules.gouge}: take a smaller tool, or write a rounder or longer contour"
         )
+
+
+def offset(element: Element, aside: float) -> Element | None:
+    """The way at a distance to the left [m], below zero to the right; None where an arc has no room for it."""
+    if isinstance(element, Line):
+        shift = 1j * element.begins * aside
+        return Line(element.start + shift, element.end + shift)
+    radii = [abs(end - element.centre) - element.sense * aside for end in (element.start, element.end)]
+    if min(radii) < ROUNDING:
+        return None
+    start, end = (
+        element.centre + radius * (point - element.centre) / abs(point - element.centre)
+        for radius, point in zip(radii, (element.start, element.end))
+    )
+    return Turn(start, end, element.centre, element.sweep)
+
+
+def meetings(before: Element, behind: Element) -> list[complex]:
+    """The points in which two ways meet, as lines and circles without ends."""
+    if isinstance(before, Line):
+        return _lines(before, behind) if isinstance(behind, Line) else _line_and_circle(before, behind)
+    if isinstance(behind, Line):
+        return _line_and_circle(behind, before)
+    return _circles(before.centre, before.radius, behind.centre, behind.radius)
+
+
+def _lines(first: Line, second: Line) -> list[complex]:
+    across = (first.begins.conjugate() * second.begins).imag
+    if abs(across) < ROUNDING:
+        return []
+    along = ((second.start - first.start).conjugate() * second.begins).imag / across
+    return [first.start + along * first.begins]
+
+
+def _line_and_circle(line: Line, turn: Turn) -> list[complex]:
+    foot = line.start + ((turn.centre - line.start) * line.begins.conjugate()).real * line.begins
+    reach = _half_chord(turn.radius, abs(turn.centre - foot))
+    return [] if reach is None else [foot - reach * line.begins, foot + reach * line.begins]
+
+
+def _circles(centre: complex, radius: float, other: complex, other_radius: float) -> list[complex]:
+    apart = abs(other - centre)
+    if apart < ROUNDING:
+        return []
+    direction = (other - centre) / apart
+    along = (apart * apart + radius * radius - other_radius * other_radius) / (2.0 * apart)
+    reach = _half_chord(radius, abs(along))
+    return [] if reach is None else [centre + direction * complex(along, side * reach) for side in (-1.0, 1.0)]
+
+
+def _half_chord(radius: float, distance: float) -> float | None:
+    """Half of the chord at a distance from the centre of a circle; of a touching line, but for a rounding, 0."""
+    square = (radius - distance) * (radius + distance)
+    if square < -2.0 * radius * ROUNDING:
+        return None
+    return math.sqrt(max(square, 0.0))
+
+
+def beyond(corner: complex, before: complex, behind: complex, aside: float) -> list[complex]:
+    """Where tangents of two offset ways meet beyond an outside corner; two points where that is farther than the
+    radius.
+
+    before, behind: unit directions at the corner. aside: distance to the left [m], below zero to the right.
+    """
+    first, second = corner + 1j * aside * before, corner + 1j * aside * behind
+    radius, turned = abs(aside), abs(cmath.phase(behind * before.conjugate()))
+    farther = radius * math.tan(0.5 * turned)
+    if farther > radius * (1.0 + 1e-9):
+        return [first + radius * before, second - radius * behind]
+    return [first + farther * before]
+
+
+def gone(way: Element, start: complex, end: complex) -> float:
+    """Length from point to point along a way [m], below zero backwards; of an arc less than half a turn either way of
+    its own ends."""
+    if isinstance(way, Line):
+        return ((end - start) * way.begins.conjugate()).real
+    return way.radius * swept_between(way, start, end)
+
+
+def swept_between(way: Turn, start: complex, end: complex) -> float:
+    """Angle in an arc's sense from one point near its start to another near its end [rad]."""
+    cut = way.sense * cmath.phase((start - way.centre) / (way.start - way.centre))
+    left = way.sense * cmath.phase((way.end - way.centre) / (end - way.centre))
+    return abs(way.sweep) - cut - left
+
+
+def between(way: Element, begun: complex, end: complex) -> Element:
+    """The part of an offset way from point to point."""
+    if isinstance(way, Line):
+        return Line(begun, end)
+    angle = swept_between(way, begun, end)
+    return Turn(begun, end, way.centre, way.sense * angle) if angle > ROUNDING else Line(begun, end)
+
+
+def crosses(first: Element, second: Element) -> bool:
+    """Whether two pieces of a way cross under an angle, or one ends on the other; ends that meet are no crossing."""
+    for point in meetings(first, second):
+        angle = (_along(first, point).conjugate() * _along(second, point)).imag
+        depths = _depth(first, point), _depth(second, point)
+        if abs(angle) > TOUCHING and max(depths) > AT_END and min(depths) > -AT_END:
+            return True
+    return False
+
+
+def _along(piece: Element, point: complex) -> complex:
+    """Unit direction of a piece at one of its points."""
+    if isinstance(piece, Line):
+        return piece.begins
+    spoke = point - piece.centre
+    return 1j * piece.sense * spoke / abs(spoke)
+
+
+def _depth(piece: Element, point: complex) -> float:
+    """How far from the nearer end of a piece a point of its line or circle is [m], below zero beyond it."""
+    if isinstance(piece, Line):
+        gone, length = ((point - piece.start) * piece.begins.conjugate()).real, abs(piece.end - piece.start)
+    else:
+        angle = abs(swept(piece.start - piece.centre, point - piece.centre, piece.sense))
+        gone, length = piece.radius * angle, piece.radius * min(abs(piece.sweep), 2.0 * math.pi)
+        gone = 0.0 if abs(point - piece.start) < AT_END else gone
+    return min(gone, length - gone)

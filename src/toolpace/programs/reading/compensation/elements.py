@@ -6,12 +6,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from toolpace.programs.reading.curves.arcs import ONE_RAY, Arc
-
-AXES = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX and YZ: the real and the imaginary part."""
-SAME = 1e-9
-"""Points closer than this [m] are one."""
+from toolpace.programs.reading.arcs import ONE_RAY, PLANE_AXES, ROUNDING, Arc
 
 
 @dataclass(frozen=True)
@@ -100,17 +95,17 @@ def turning_away(before: complex, behind: complex, side: int) -> float:
 
 def is_behind(place: complex, end: complex, along: complex, side: int) -> bool:
     """Whether a place is not at this side (1 left, -1 right) of the tangent `along` at the end of an element."""
-    return ((place - end) * (1j * side * along).conjugate()).real < -SAME
+    return ((place - end) * (1j * side * along).conjugate()).real < -ROUNDING
 
 
 def element_of(start: list[float], end: list[float], arc: Arc | None, plane: int) -> Element | None:
     """The element of a motion in a plane; None where nothing moves in it, or where an arc lies in another plane."""
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     a, b = complex(start[first], start[second]), complex(end[first], end[second])
     if arc is None:
         return Line(a, b) if a != b else None
     u, w = complex(arc.u[first], arc.u[second]), complex(arc.w[first], arc.w[second])
-    if abs(abs(u) - 1.0) > SAME or abs(abs(w) - 1.0) > SAME:
+    if abs(abs(u) - 1.0) > ROUNDING or abs(abs(w) - 1.0) > ROUNDING:
         return None
     left = (u.conjugate() * w).imag > 0.0
     return Turn(a, b, complex(arc.centre[first], arc.centre[second]), arc.sweep if left else -arc.sweep)
@@ -121,7 +116,7 @@ def arc_of(turn: Turn, start: list[float], end: list[float], plane: int) -> Arc:
 
     Radii that differ between the ends make a spiral.
     """
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     normal = 3 - first - second
     a, b = turn.start - turn.centre, turn.end - turn.centre
     spoke = a / abs(a)

@@ -12,11 +12,11 @@ import cmath
 import math
 
 from toolpace.common.units import MILLIMETRE, MINUTE
+from toolpace.programs.reading.arcs import Arc
 from toolpace.programs.reading.compensation.elements import Line, Turn, unit
 from toolpace.programs.reading.compensation.stage import Laid, Leaving, OffsetStage, as_speed
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import RAPID, Rate
-from toolpace.programs.reading.curves.arcs import Arc
 
 NO_CORNER = 0.05
 """Angle up to which two elements go straight on [rad]."""
@@ -76,9 +76,7 @@ class LinuxcncStage(OffsetStage):
 
     # The first element
 
-    def _enter(
-        self, start: list[float], end: list[float], path: Line | Turn | None, rate: Rate, kind: float
-    ) -> None:
+    def _enter(self, start: list[float], end: list[float], path: Line | Turn | None, rate: Rate, kind: float) -> None:
         goal = self.point(end)
         if abs(goal - self.at) <= self.radius:
             self.fail(

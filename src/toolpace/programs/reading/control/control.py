@@ -1,4 +1,4 @@
-"""The virtual control: moves from commands.
+"""The virtual control: moves from commands, and the tool path or the commanded moves from them.
 
 A control language reads its blocks and calls these methods, in the order in which a controller would act. All figures
 are in SI units; what letters, units and codes mean is the language's matter.
@@ -8,20 +8,24 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from toolpace.common.arrays import Floats
 from toolpace.programs.commanded import Commanded
-from toolpace.programs.reading.control.commanded_moves import commanded_of
-from toolpace.programs.reading.control.moves import FEED, RAPID, MoveTable, Rate
+from toolpace.programs.reading.arcs import SPIRAL, SPIRAL_SAID, Arc
+from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, MoveTable, Rate
 from toolpace.programs.reading.control.state import ControlState
 from toolpace.programs.reading.control.unroll import Unroll
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.tool_lengths import NO_TOOL, ONLY_TOOL
-from toolpace.programs.reading.curves.arcs import SPIRAL, SPIRAL_SAID, Arc
-from toolpace.programs.reading.curves.beziers import Bezier
-from toolpace.programs.reading.points import ProgramFacts, refuse_still
+from toolpace.programs.reading.coordinates.kinematics import Poses
+from toolpace.programs.reading.feeds import LONGEST_DWELL
+from toolpace.programs.reading.points import NO_TOOL, ONLY_TOOL, SAME, ProgramFacts, refuse_still
+from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.splines import Bezier, BezierTable
 from toolpace.programs.toolpath import ToolPath
 
-LONGEST_DWELL = 86400.0
-"""A day [s]: a longer dwell is a slip of units."""
+FARTHEST = 1e6
+"""Most of an axis word [mm, inch or deg]: a kilometre is a slip, and unbounded numbers lose their digits."""
 
 
 class Control(ControlState):
@@ -72,9 +76,7 @@ class Control(ControlState):
             place = placement.place(self.words)
             self.moves.add(place, part, self.line, FEED, placement.tip_mode, self.named, placement.tool_length)
 
-    def _move(
-        self, words: list[float], named: int, rapid: bool, number: float | None, arc: Arc | None = None
-    ) -> None:
+    def _move(self, words: list[float], named: int, rapid: bool, number: float | None, arc: Arc | None = None) -> None:
         if not self.placement.tip_mode:
             self.need_linear_joints()
         kind = RAPID if rapid else FEED
@@ -159,3 +161,110 @@ class Control(ControlState):
         if not len(self.moves):
             refuse_still(self.source, 0)
         return self.moves.table()
+
+
+def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramFacts) -> Commanded:
+    """The moves of a table; a row that moves nothing hands its stop and its dwell on to the one before.
+
+    Raises ProgramError where nothing moves or waits.
+    """
+    table = _with_chords(table)
+    speed, turn, time, line, kind, tip_mode, _, operation, tool_length = table.columns.T
+    way = np.diff(table.position, axis=0, prepend=table.position[:1])
+    way[kind == JUMP] = 0.0
+    moved = np.abs(way).max(axis=1) > SAME
+    moved[[0, *table.arcs]] = True
+    kept = np.flatnonzero(moved)
+    if len(kept) < 2 and not table.dwell.any():
+        refuse_still(source, len(moved))
+    # where the words change their meaning the control waits, too
+    stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)
+    joining = table.joining[kept]
+    blending, of_cycle = joining[:, 1], table.tolerance[kept, 0]
+    if np.isinf(blending).all():
+        # the words for blending tell no tolerance: what a cycle asks for counts (CYCLE832, cycle 32, G187)
+        blending = np.where(np.isnan(of_cycle), np.inf, of_cycle)
+    ways = _Ways(way[kept])
+    for entry, row in enumerate(kept.tolist()):
+        if row in table.arcs:
+            ways.bend(entry, table.arcs[row])
+    return Commanded(
+        words=table.position[kept],
+        way=way[kept],
+        rotary_joints=poses.rotary_names,
+        tip_mode=tip_mode[kept] > 0,
+        tool_length=tool_length[kept] if poses.machine is not None else np.full(len(kept), np.nan),
+        rapid=kind[kept] == RAPID,
+        speed=speed[kept],
+        turn=turn[kept],
+        time=time[kept],
+        length=ways.length,
+        begin=ways.begin,
+        end=ways.end,
+        radius=ways.radius,
+        centre=ways.centre,
+        normal=ways.normal,
+        sweep=ways.sweep,
+        line=line[kept].astype(np.int64),
+        stop=stop,
+        joining=joining[:, 0].astype(np.int64),
+        tolerance=blending,
+        cam_tolerance=joining[:, 2],
+        dynamics=table.dynamics[kept],
+        dwell=np.add.reduceat(table.dwell, kept),
+        operation=operation[kept].astype(np.int64),
+        operations=facts.operations,
+        blocks=facts.blocks,
+        source=source.name,
+        controller=facts.controller,
+    )
+
+
+class _Ways:
+    """Lengths and directions of X, Y, Z over moves: straight ones, until they are bent."""
+
+    def __init__(self, way: Floats) -> None:
+        count = len(way)
+        self.length = np.linalg.norm(way[:, :3], axis=1)
+        self.begin = way[:, :3] / np.where(self.length > SAME, self.length, np.inf)[:, None]
+        self.end = self.begin.copy()
+        self.radius, self.sweep = np.full(count, np.inf), np.zeros(count)
+        self.centre, self.normal = np.full((count, 3), np.nan), np.zeros((count, 3))
+
+    def bend(self, entry: int, arc: Arc) -> None:
+        """Make a move an arc."""
+        u, w, rise = np.array(arc.u), np.array(arc.w), np.array(arc.rise)
+        angle = arc.sweep
+        self.length[entry], self.radius[entry], self.sweep[entry] = arc.length(), 0.5 * (arc.r0 + arc.r1), abs(angle)
+        self.centre[entry], self.normal[entry] = arc.centre, np.cross(u, w) * np.sign(angle)
+        growth = arc.r1 - arc.r0
+        for direction, radius, turned in ((self.begin, arc.r0, 0.0), (self.end, arc.r1, angle)):
+            spoke, across = np.cos(turned) * u + np.sin(turned) * w, np.cos(turned) * w - np.sin(turned) * u
+            tangent = growth * spoke + angle * radius * across + rise
+            direction[entry] = tangent / np.linalg.norm(tangent)
+
+
+def _with_chords(table: MoveTable) -> MoveTable:
+    """The table with the straight pieces of its splines in their place."""
+    if not table.curves:
+        return table
+    count = np.ones(len(table.position), dtype=np.int64)
+    rows = np.array(list(table.curves))
+    count[rows] = [min(curve.pieces(), 1000) for curve in table.curves.values()]
+    of = np.repeat(np.arange(len(count)), count)
+    last = np.cumsum(count) - 1
+    position = table.position[of]
+    curves = BezierTable(list(table.curves.values()))
+    for k, row in enumerate(rows):
+        inside = np.arange(last[row] - count[row] + 1, last[row])
+        share = np.arange(1, count[row]) / count[row]
+        position[inside, :3] = curves.evaluate(np.full(len(inside), k), share)
+    columns = table.columns[of]
+    columns[:, 2] /= count[of]  # a time that F gives is that of the whole
+    is_last = np.zeros(len(of), dtype=bool)
+    is_last[last] = True
+    return MoveTable(
+        position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
+        {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
+        table.joining[of], table.tolerance[of], table.normal[of], table.dynamics[of],
+    )  # fmt: skip

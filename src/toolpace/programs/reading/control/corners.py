@@ -6,15 +6,11 @@ import math
 from contextlib import nullcontext
 from typing import NamedTuple
 
+from toolpace.programs.reading.arcs import PLANE_AXES, ROUNDING, plane_arc
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.curves.arcs import plane_arc
 
 ROUND, SIDES, EDGE = "round", "sides", "edge"
 """What the size of a corner is: the radius, how much of both lines is cut away, or the length of the new edge."""
-AXES = ((0, 1), (2, 0), (1, 2))
-"""First and second axis of the planes XY, ZX and YZ."""
-SAME = 1e-9
-"""Coordinates closer than this [m, rad] are one."""
 
 
 class CornerError(ValueError):
@@ -48,17 +44,17 @@ def lay(control: Control, corner: Corner, target: list[float], plane: int) -> bo
         return False  # something else has moved in between
     if control.moved_in != control.placement:
         return False  # where the last motion began is told in other coordinates
-    first, second = AXES[plane]
+    first, second = PLANE_AXES[plane]
     others = [k for k in range(len(at)) if k not in (first, second)]
-    if any(abs(at[k] - before[k]) > SAME or abs(at[k] - target[k]) > SAME for k in others):
+    if any(abs(at[k] - before[k]) > ROUNDING or abs(at[k] - target[k]) > ROUNDING for k in others):
         return False
     along, ahead = ((b[first] - a[first], b[second] - a[second]) for a, b in ((before, at), (at, target)))
     lengths = math.hypot(*along), math.hypot(*ahead)
     turn = math.atan2(along[0] * ahead[1] - along[1] * ahead[0], along[0] * ahead[0] + along[1] * ahead[1])
-    if min(lengths) < SAME or abs(turn) < 1e-9 or not corner.size:
+    if min(lengths) < ROUNDING or abs(turn) < ROUNDING or not corner.size:
         return True
     cut = _cut(corner, abs(turn) / 2.0)
-    if cut > min(lengths) + SAME:
+    if cut > min(lengths) + ROUNDING:
         raise CornerError(
             f"the {corner.name} before this block takes {cut * 1e3:.6g} mm of both lines, and the shorter one has "
             f"{min(lengths) * 1e3:.6g} mm: make it smaller"
@@ -90,17 +86,20 @@ def _cut(corner: Corner, half: float) -> float:
 class Corners:
     """The corner that waits for the way behind it, where the block that ends at it names it."""
 
-    def __init__(self, control: Control, cure: str) -> None:
-        """cure: what to write where a corner does not stand between two straight ways."""
-        self.control, self.cure = control, cure
+    def __init__(self, control: Control, cure: str, *, refuses_empty: bool = False) -> None:
+        """cure: what to write where a corner does not stand between two straight ways. refuses_empty: whether that is
+        refused of one without a size, too."""
+        self.control, self.cure, self.refuses_empty = control, cure, refuses_empty
         self.waiting: Corner | None = None
 
-    def put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
-        """A corner at the end of the last motion. Raises CornerError."""
+    def put(
+        self, name: str, kind: str, size: float, came_from: list[float], feed: tuple[float, float] | None = None
+    ) -> None:
+        """A corner at the end of the last motion, perhaps with a feed of its own. Raises CornerError."""
         if not 0.0 <= size <= 100.0:
             raise CornerError(f"the size of {name} must be a length from 0 on: correct it")
         control = self.control
-        self.waiting = Corner(name, kind, size, came_from, len(control.moves), control.line)
+        self.waiting = Corner(name, kind, size, came_from, len(control.moves), control.line, feed)
 
     def before(self, target: list[float], plane: int) -> None:
         """A straight way to the target (3 + rotary) comes next. Raises CornerError."""
@@ -111,5 +110,5 @@ class Corners:
     def refuse(self) -> None:
         """Another motion comes next, or none: the corner that waits is not read."""
         corner, self.waiting = self.waiting, None
-        if corner is not None and corner.size:
+        if corner is not None and (corner.size or self.refuses_empty):
             self.control.findings.refused(corner.name, corner.line, self.cure)

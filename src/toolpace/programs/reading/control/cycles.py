@@ -1,24 +1,27 @@
-"""Canned drilling cycles as motions."""
+"""Canned drilling cycles as motions, and patterns of holes as places."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.moves import FEED, RAPID, Rate
+from toolpace.programs.reading.control.moves import FEED, RAPID, Rate, Stroke, StrokeTable
 from toolpace.programs.reading.control.state import ALL
-from toolpace.programs.reading.control.strokes import Stroke, StrokeTable
 
 MOST_PECKS = 10_000
 """Strokes of one hole: more is a slip, and would fill memory."""
+MOST_HOLES = 100_000
+"""Of one block, or of one pattern."""
 RAPID_OUT, FEED_OUT, FEED_BACK = "rapid", "feed", "feed back"
 """Ways out: at rapid, at feed to the top, at feed to the level that is gone back to."""
 FREE = Rate()
+Place = tuple[float, float]
+"""Of a hole, along both axes of its plane, in the unit of the program or in m."""
 MOST = 4_000_000
 """Motions of all holes of a program: more is a slip of a peck, and would fill memory."""
 
@@ -241,3 +244,23 @@ def _table(strokes: tuple[Stroke, ...], rate: Rate, way: tuple[float, ...]) -> S
         np.array([each.stop or each.dwell > 0.0 for each in strokes]),
         np.array([each.dwell for each in strokes]),
     )
+
+
+def on_circle(x: float, y: float, radius: float, angles: Iterable[float]) -> list[Place]:
+    """Places on a circle about (x, y) at angles [rad]."""
+    return [(x + radius * math.cos(angle), y + radius * math.sin(angle)) for angle in angles]
+
+
+def on_grid(columns: Sequence[float], rows: Sequence[float], *, border: bool = False) -> list[Place]:
+    """Places of columns along u and rows along v, row after row to and fro; border: of inner rows the ends alone."""
+    found = []
+    for k, v in enumerate(rows):
+        row = columns if not border or k in (0, len(rows) - 1) else columns[:: max(len(columns) - 1, 1)]
+        found += [(u, v) for u in row[:: -1 if k % 2 else 1]]
+    return found
+
+
+def laid_out(places: Iterable[Place], x: float, y: float, angle: float) -> list[Place]:
+    """Places turned by an angle [rad] and shifted to the origin (x, y)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return [(x + u * c - v * s, y + u * s + v * c) for u, v in places]

@@ -1,21 +1,70 @@
-"""The motions of a program in its own coordinates."""
+"""The motions of a program as rows, with the strokes of its holes and the operations that they belong to."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.programs.commanded import BLENDED
-from toolpace.programs.reading.control.strokes import Expansion, StrokeTable
-from toolpace.programs.reading.curves.arcs import Arc
-from toolpace.programs.reading.curves.beziers import Bezier
+from toolpace.programs.reading.arcs import Arc
+from toolpace.programs.reading.splines import Bezier
+from toolpace.programs.toolpath import Operation
 
 RAPID, FEED, JUMP = 0.0, 1.0, 2.0
 """Kinds of rows. A jump is no motion: it re-reads the same place in the other mode (tip or joints)."""
+
+
+class Stroke(NamedTuple):
+    """A straight way to a level, and what is done there."""
+
+    level: float
+    """Coordinate of the program along the line [m]."""
+    rapid: bool = True
+    speed: float = 0.0
+    """Of a way at feed [m/s]; 0: that in force."""
+    stop: bool = False
+    dwell: float = 0.0
+    """[s]"""
+
+
+class StrokeTable(NamedTuple):
+    """Strokes of a hole as arrays: the motions that one row of moves stands for.
+
+    A hole takes ten of them, and a program has thousands of holes that are alike: what they share is kept once.
+    """
+
+    offset: Floats
+    """(k, 3) from the row's position to the end of each [m]."""
+    rate: Floats
+    """(k, 3): speed [m/s], turn [rad/s], time [s]."""
+    kind: Floats
+    stop: Bools
+    dwell: Floats
+
+
+class Expansion:
+    """Rows of moves, some of which stand for strokes, to the rows of single motions."""
+
+    def __init__(self, rows: int, strokes: dict[int, StrokeTable]) -> None:
+        count = np.ones(rows, dtype=np.int64)
+        alike: dict[int, tuple[StrokeTable, list[int]]] = {}
+        for row, table in strokes.items():
+            alike.setdefault(id(table), (table, []))[1].append(row)
+        for table, of in alike.values():
+            count[of] = len(table.kind)
+        self.row: Ints = np.repeat(np.arange(rows), count)
+        """Of each motion, the row that it comes from."""
+        self.last: Ints = np.cumsum(count) - 1
+        """Of each row, its last motion."""
+        self.strokes = [
+            (table, self.last[of][:, None] + np.arange(1 - len(table.kind), 1)) for table, of in alike.values()
+        ]
+        """Strokes (k,), and the motions (holes, k) that they are."""
 
 
 class Rate(NamedTuple):
@@ -36,7 +85,7 @@ class Joining(NamedTuple):
     """Within which straight motions may be taken as one [m]; nan where the program does not say."""
 
 
-class Asked(NamedTuple):
+class ProgramTolerance(NamedTuple):
     """How far motions may stray from their way, by the program's own words; nan where it tells nothing."""
 
     tip: float = math.nan
@@ -104,7 +153,7 @@ class Moves:
         """How rows meet, from which on."""
         self.normals: dict[int, tuple[float, float, float]] = {}
         """Unit vectors out of the part at the ends of rows, on the part."""
-        self.asked: list[tuple[int, Asked]] = [(0, Asked())]
+        self.tolerance: list[tuple[int, ProgramTolerance]] = [(0, ProgramTolerance())]
         """How far rows may stray, from which on."""
         self.dynamics: list[tuple[int, Dynamics]] = [(0, Dynamics())]
         """Acceleration and corners of rows, from which on."""
@@ -156,8 +205,8 @@ class Moves:
     def ask(self, **tolerances: float) -> None:
         """Note how far motions may stray from now on: tip [m], axis [rad]; what is no length above zero is told no
         more."""
-        told = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
-        self.asked.append((len(self.rows), self.asked[-1][1]._replace(**told)))
+        changed = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
+        self.tolerance.append((len(self.rows), self.tolerance[-1][1]._replace(**changed)))
 
     def drive(self, **dynamics: float) -> None:
         """Note what the program says of acceleration and corners from now on: fields of Dynamics."""
@@ -194,7 +243,7 @@ class Moves:
         at_rest[last[list(self.exact)]] = True
         switched[last[list(self.switched)]] = True
         joining = self._from_then_on(self.joinings)[expansion.row]
-        asked = self._from_then_on(self.asked)[expansion.row]
+        tolerance = self._from_then_on(self.tolerance)[expansion.row]
         dynamics = self._from_then_on(self.dynamics)[expansion.row]
         normal = np.full((len(array), 3), np.nan)
         for i, out in self.normals.items():
@@ -210,18 +259,18 @@ class Moves:
             first = reread
         arcs = {int(last[i]) - first: arc for i, arc in self.arcs.items() if last[i] > first}
         curves = {int(last[i]) - first: curve for i, curve in self.curves.items() if last[i] > first}
-        array, joining, asked = array[first:], joining[first:], asked[first:]
+        array, joining, tolerance = array[first:], joining[first:], tolerance[first:]
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(
-            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, asked, normal[first:],
-            dynamics[first:],
+            array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, tolerance,
+            normal[first:], dynamics[first:],
         )  # fmt: skip
 
-    def _from_then_on(self, told: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
+    def _from_then_on(self, changes: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
         """(rows, k) what was told from a row on, of each row."""
-        begin = np.array([row for row, _ in told])
+        begin = np.array([row for row, _ in changes])
         rows = np.diff(np.append(begin, len(self.rows)))
-        return np.repeat(np.array([each for _, each in told], dtype=float), rows, axis=0)
+        return np.repeat(np.array([each for _, each in changes], dtype=float), rows, axis=0)
 
     @staticmethod
     def _start(kind: Floats, named: Ints) -> int:
@@ -256,9 +305,38 @@ class MoveTable(NamedTuple):
     """(n,) whether a control comes to rest whatever the mode: stops, and where something is switched."""
     joining: Floats
     """(n, 3) Joining of each row."""
-    asked: Floats
-    """(n, 2) Asked of each row."""
+    tolerance: Floats
+    """(n, 2) ProgramTolerance of each row."""
     normal: Floats
     """(n, 3) out of the part at the end of each row; nan where none was told."""
     dynamics: Floats
     """(n, 3) Dynamics of each row."""
+
+
+class Operations:
+    """What motions belong to: each is noted with the operation that is the last when it is added."""
+
+    def __init__(self, moves: Moves) -> None:
+        self.moves = moves
+        self.all: list[Operation] = [Operation()]
+
+    def begin(self, *, name: str | None = None, tool: str | None = None) -> None:
+        """Begin the next one, of this name, or with this tool; what is not given stays."""
+        last = self.all[-1]
+        if not self._moved():
+            self.all.pop()
+        lengths = last.told_lengths if tool is None else ()
+        self.all.append(
+            Operation(last.name if name is None else name.strip(), last.tool if tool is None else tool, lengths)
+        )
+        self.moves.operation = len(self.all) - 1
+
+    def tell_length(self, length: float) -> None:
+        """The tool of the present one is reckoned with another length than its table's [m]."""
+        last = self.all[-1]
+        if length not in last.told_lengths:
+            self.all[-1] = replace(last, told_lengths=(*last.told_lengths, length))
+
+    def _moved(self) -> bool:
+        """Whether there was any motion in the last one."""
+        return bool(self.moves.rows) and self.moves.rows[-1][-2] >= self.moves.operation

@@ -1,34 +1,76 @@
-"""The state of the virtual control: the machine's position, and the coordinates of its words."""
+"""The state of the virtual control, and the limit of executed blocks beyond which a program counts as endless."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from toolpace.common.errors import ProgramError
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.feed import Feed, FeedRules
-from toolpace.programs.reading.control.moves import JUMP, RAPID, Moves, Rate, Stage
-from toolpace.programs.reading.control.operations import Operations
+from toolpace.programs.reading.control.moves import JUMP, RAPID, Moves, Operations, Rate, Stage
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.active_frame import Coordinates
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
-from toolpace.programs.reading.coordinates.orientation import Orientation
-from toolpace.programs.reading.coordinates.placement import Datum, Placement
+from toolpace.programs.reading.coordinates.kinematics import Kinematics, Orientation, Poses
+from toolpace.programs.reading.coordinates.placement import Coordinates, Datum, Placement
 from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNSAID, Position
-from toolpace.programs.reading.coordinates.tool_lengths import NO_SHEET, NOT_LISTED
-from toolpace.programs.reading.execution_limit import Effort
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.points import NO_SHEET, NOT_LISTED
 from toolpace.programs.reading.source import Source
 
+REPEATED = 400_000
+"""Steps beyond which a short program runs in a loop: a few seconds of reading."""
+A_LINE, MOST_REPEATED = 100, 4_000_000
+"""Of a longer one so many for each of its lines, and at most: subprograms are called for each part on a table."""
+ONCE = 30
+"""Steps that a line may take which is executed once: its block, its motions, and a change."""
+CHANGED = 20
+"""Steps that a change of frames, offsets or modes takes, or a spline, by the time that it needs."""
 TURNED = (
     "tip mode fixes X, Y, Z to the part where the table stands turned then; with tip_frame_where_switched = false in "
     "the controller's file it is where the table is at zero"
 )
-STILL = 1e-9
-"""Rotary positions that are zero [rad]."""
 ALL = 7
 """Bits of X, Y and Z."""
+
+
+class EndlessError(ProgramError):
+    """A program that has been executed for longer than its length explains."""
+
+
+class Effort:
+    """Counts blocks, and steps by the time that they take to read."""
+
+    def __init__(self, source: Source, most_blocks: int | None) -> None:
+        self.source, self.most_blocks = source, most_blocks
+        self.blocks = 0
+        """Blocks that were executed, those of loops and calls each time."""
+        self.changes = 0
+        """Of frames, offsets and modes, and splines."""
+        self.lines_beside: Callable[[], int] = lambda: 0
+        """Lines of the files that the program calls."""
+        self.enough = _enough(len(source.lines))
+
+    def block(self, line: int, motions: int) -> None:
+        """A block more is executed, with so many motions noted before it. Raises EndlessError."""
+        self.blocks += 1
+        if self.most_blocks is not None:
+            if self.blocks > self.most_blocks:
+                self._fail(f"more than {self.most_blocks} blocks have been executed", line)
+        elif self.blocks + motions + CHANGED * self.changes > self.enough:
+            self.enough = _enough(len(self.source.lines) + self.lines_beside())
+            if self.blocks + motions + CHANGED * self.changes > self.enough:
+                self._fail(f"{self.blocks} blocks have been executed of {len(self.source.lines)} lines", line)
+
+    def _fail(self, what: str, line: int) -> None:
+        self.source.fail(f"{what}: is there a loop without end? --max-blocks N allows more", line, EndlessError)
+
+
+def _enough(lines: int) -> int:
+    """Steps that a program of so many lines may take."""
+    return ONCE * lines + max(REPEATED, min(A_LINE * lines, MOST_REPEATED))
 
 
 @dataclass(frozen=True)
@@ -87,6 +129,10 @@ class ControlState:
         if self.named == ALL:
             self.line = 1  # lines count from there; no block leads to the start
             self.begin_here()
+
+    def refuse(self, word: str, cure: str) -> None:
+        """Note a word of the block at hand that is not read, and what to write instead."""
+        self.findings.refused(word, self.line, cure)
 
     def begin_block(self, line: int) -> None:
         """Execute a block of this line next; ProgramError where there have been too many."""
@@ -184,7 +230,7 @@ class ControlState:
     def _say_where_fixed(self) -> None:
         """Say that tip mode began with the table turned; in a tilted plane that is no matter."""
         fixed = self.coordinates.fixed_at or []
-        if fixed and any(abs(turned) > STILL for turned in self.poses.carried(fixed)):
+        if fixed and any(abs(turned) > ROUNDING for turned in self.poses.carried(fixed)):
             self.findings.assumed(TURNED)
 
     def set_length(self, tool: str | None, oversize: float = 0.0) -> None:
@@ -196,13 +242,13 @@ class ControlState:
         if tool is None and coordinates.named_for != self.tool:
             coordinates.length_of = ""  # of the tool before
         coordinates.compensated, coordinates.length_of = tool is not None, tool or coordinates.length_of
-        coordinates.told, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
+        coordinates.programmed, coordinates.oversize, coordinates.named_for = None, oversize, self.tool
         self._replaced()
 
     def set_tool_offset(self, x: float, y: float, length: float) -> None:
         """Reckon with a tool of this length [m], whose tip is x and y beside the spindle."""
         coordinates = self.coordinates
-        coordinates.compensated, coordinates.told, coordinates.named_for = True, (x, y, length), self.tool
+        coordinates.compensated, coordinates.programmed, coordinates.named_for = True, (x, y, length), self.tool
         coordinates.off = False
         self._replaced()
 

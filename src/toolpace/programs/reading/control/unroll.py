@@ -11,13 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.programs.reading.arcs import Arc, ArcTable
 from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.programs.reading.coordinates.kinematics import Poses
-from toolpace.programs.reading.coordinates.tool_lengths import told_lengths
-from toolpace.programs.reading.curves.arcs import Arc, ArcTable
-from toolpace.programs.reading.curves.beziers import Bezier, BezierTable
-from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble
+from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble, told_lengths
 from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.splines import Bezier, BezierTable
 from toolpace.programs.toolpath import ToolPath
 
 TIP_GAP = 0.45e-6
@@ -50,7 +49,7 @@ class Unroll:
         self.operation: Ints = operation.astype(np.int64)
         self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
-        self.stop, self.dwell, self.asked = table.stop, table.dwell, table.asked
+        self.stop, self.dwell, self.tolerance = table.stop, table.dwell, table.tolerance
         self.normal = table.normal
         self.arcs = ArcTable(list(table.arcs.values()))
         self.arc = np.full(len(self.end), -1)
@@ -187,7 +186,7 @@ class Unroll:
             dwell=np.where(ends, self.dwell[move], 0.0),
             rapid=self.is_rapid[move],
             operation=self.operation[move],
-            asked=self.asked[move],
+            tolerance=self.tolerance[move],
             normal=self.normals(move, (piece + 1) / count),
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,

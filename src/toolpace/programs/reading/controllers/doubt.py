@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
@@ -10,7 +12,7 @@ import numpy as np
 from toolpace.common.arrays import Bools
 from toolpace.common.errors import ToolpaceError
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.controllers.plain_motions import thinned
+from toolpace.programs.reading.controllers.recognise import PLAIN
 from toolpace.programs.reading.source import Source
 from toolpace.programs.toolpath import ToolPath
 
@@ -25,6 +27,11 @@ Reading = Callable[[Controller, Source], ToolPath | None]
 """Reads a program as one for a controller; None where that refuses words. Raises ToolpaceError."""
 Difference = tuple[int, str, str]
 """A line, and what the one and the other make of it."""
+_LETTERS = re.compile(r"G0?[0-3]|F[-+]?[\d.]++|[A-Z]", re.IGNORECASE)
+_JUMPS = re.compile(r"GOTO|M9[789]", re.IGNORECASE)
+"""Words that go to numbers of blocks."""
+KEPT = 3
+"""Blocks of the same words that are kept of those between two that are not plain."""
 
 
 def doubts(
@@ -117,3 +124,27 @@ def _line_of_dwell(path: ToolPath, source: Source, line: int) -> int:
 
 def _waits(seconds: float) -> str:
     return f"waits {seconds:.4g} s" if seconds else "does not wait"
+
+
+def thinned(source: Source) -> Source:
+    """The program without most plain straight motions, its lines at their numbers.
+
+    Between two blocks that are not plain motions, the first of each kind are kept: the same letters, G and F. Arcs are
+    plain, but all kept. What controls read differently they read differently in these too, but for what depends
+    on figures of straight motions alone.
+    """
+    jumps = any(map(_JUMPS.search, source.lines))
+    seen: Counter[tuple[str, ...]] = Counter()
+    lines = []
+    for line in source.lines:
+        plain = PLAIN.fullmatch(line)
+        if plain is None:
+            seen.clear()
+        elif plain[2]:
+            kind = tuple(_LETTERS.findall(plain[2]))
+            seen[kind] += 1
+            if seen[kind] > KEPT and not {"I", "J", "K"} & set(kind):
+                lines.append((plain[1] or "") if jumps else "")
+                continue
+        lines.append(line)
+    return dataclasses.replace(source, lines=tuple(lines), data=b"")

@@ -1,4 +1,4 @@
-"""The recognition of a program's controller by words, header and name."""
+"""The controller of a program, from signs in its words, its header and its name."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ from pathlib import PurePath
 from typing import NamedTuple
 
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.controllers.signs import Text
 from toolpace.programs.reading.source import Source
 
+PLAIN = re.compile(
+    r"[ \t]*+(N\d++)?((?:[ \t]*+(?:G0?[0-3](?![\d.])|[XYZABCIJKF][-+]?[\d.]++))*+)[ \t]*+;?+", re.IGNORECASE
+)
+"""A block of plain words: its number, and the words."""
 FALLBACK = "iso"
 LINES, LENGTH = 20_000, 300
 """How many lines are looked at, and how much of each: signs stand early, or often."""
@@ -21,6 +24,8 @@ USUAL = ("fanuc", "haas", "linuxcnc")
 """Controls that a program without signs may be for."""
 MARGIN = 4.0
 """A control whose signs weigh less by this, or by more, is none that the program may be for."""
+_BRACKETS = re.compile(r"[()]")
+_BRACKETS_BEHIND_A_BLANK = re.compile(r"(?:^|(?<=[\s\d.]))\([^()]*+\)")
 
 
 class Recognition(NamedTuple):
@@ -80,3 +85,48 @@ def _others(chosen: Controller, controllers: Iterable[Controller], weights: dict
         own = weights[other.name] - weights.get(other.like, 0.0)
         if weights[other.name] > least and (own > 0.0 or other.name in USUAL):
             yield other
+
+
+class Text:
+    """Lines of a program, in capitals; without plain motions, which most lines are and which tell nothing."""
+
+    def __init__(self, lines: Iterable[str]) -> None:
+        self._lines = [line.upper() for line in lines if not PLAIN.fullmatch(line)]
+        self.whole = "\n".join(self._lines)
+        """With the comments: what a post says of itself stands there."""
+        self._without: dict[str, str] = {}
+
+    def of(self, language: str) -> str:
+        """Without what is a comment in a language; a semicolon begins one in each of them, or ends the block."""
+        if language not in self._without:
+            strip = {"word-address": _without_brackets, "sinumerik": _without_free_brackets}.get(language)
+            code = (line.partition(";")[0] for line in self._lines)
+            self._without[language] = "\n".join(map(strip, code) if strip else code)
+        return self._without[language]
+
+
+def _without_brackets(line: str) -> str:
+    """Without what stands in round brackets, nested ones too; one that stays open ends with the line."""
+    if "(" not in line:
+        return line
+    kept, depth, begin = [], 0, 0
+    for bracket in _BRACKETS.finditer(line):
+        if bracket[0] == "(":
+            if depth == 0:
+                kept.append(line[begin : bracket.start()])
+            depth += 1
+        elif depth:
+            depth -= 1
+            if depth == 0:
+                begin = bracket.end()
+    if depth == 0:
+        kept.append(line[begin:])
+    return "".join(kept)
+
+
+def _without_free_brackets(line: str) -> str:
+    """Without what stands in brackets behind a blank or a number.
+
+    To Sinumerik brackets are arguments of the name before them; others are comments of another control.
+    """
+    return _BRACKETS_BEHIND_A_BLANK.sub("()", line)

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolpace.programs.reading.curves.arcs import Arc
-from toolpace.programs.reading.curves.beziers import Bezier
+from toolpace.common.arrays import Floats
+from toolpace.programs.reading.arcs import ROUNDING, Arc
+from toolpace.programs.reading.splines import Bezier
 
 Matrix = tuple[tuple[float, float, float, float], ...]
 """Three rows of a 4 by 4 matrix: rotation and shift; the fourth is (0, 0, 0, 1)."""
@@ -56,6 +57,35 @@ def linear(rows: Sequence[Vector]) -> Matrix:
     return _frozen([[*map(float, row), 0.0] for row in rows])
 
 
+def of_array(array: Floats) -> Matrix:
+    """The frame of an array (3, 3) or (3, 4), without the roundings of kinematics, which would tilt straight lines."""
+    whole = np.round(array)
+    near = np.abs(array - whole) < np.array([1e-13, 1e-13, 1e-13, 1e-15])[: array.shape[1]]
+    made = _frozen([[*row, 0.0] for row in np.where(near, whole, array).tolist()])
+    return IDENTITY if made == IDENTITY else made
+
+
+def of_axes(x: Vector, z: Vector) -> Matrix | None:
+    """The turn to a direction x (3,) and a normal z (3,), to which x is made upright; None where they are parallel or
+    zero."""
+    size, length = math.hypot(*x), math.hypot(*z)
+    if not size or not length or length < ROUNDING * size:
+        return None
+    z = [value / length for value in z]
+    along = sum(a * b for a, b in zip(x, z))
+    x = [a - along * b for a, b in zip(x, z)]
+    length = math.hypot(*x)
+    if length < ROUNDING * size:
+        return None
+    x = [value / length for value in x]
+    return linear(list(zip(x, cross(z, x), z)))
+
+
+def cross(a: Vector, b: Vector) -> list[float]:
+    """The vector product (3,)."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
 def product(first: Matrix, second: Matrix) -> Matrix:
     """The frame `second` written in the frame `first`."""
     return _frozen(
@@ -95,7 +125,7 @@ def keeps_circle(frame: Matrix, arc: Arc) -> bool:
     u, w = direct(frame, arc.u), direct(frame, arc.w)
     size = math.hypot(*u) * math.hypot(*w)
     across = math.fsum(a * b for a, b in zip(u, w))
-    return abs(math.hypot(*u) - math.hypot(*w)) < 1e-9 * math.sqrt(size) and abs(across) < 1e-9 * size
+    return abs(math.hypot(*u) - math.hypot(*w)) < ROUNDING * math.sqrt(size) and abs(across) < ROUNDING * size
 
 
 def _frozen(rows: Sequence[Sequence[float]]) -> Matrix:
@@ -111,7 +141,7 @@ def carried(frame: Matrix, arc: Arc) -> Arc:
     """An arc in the coordinates that the frame stands in; its radii grow where the frame scales."""
     u, w = direct(frame, arc.u), direct(frame, arc.w)
     grown = max(math.hypot(*u), math.hypot(*w))
-    if abs(grown - 1.0) < 1e-9:
+    if abs(grown - 1.0) < ROUNDING:
         grown = 1.0
     return Arc(
         apply(frame, arc.centre),

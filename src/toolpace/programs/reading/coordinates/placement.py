@@ -1,4 +1,4 @@
-"""Placements of words in the machine or on the part, with machine zero and work offsets."""
+"""Placements of words in the machine or on the part, from machine zero, work offset, active frame and tool length."""
 
 from __future__ import annotations
 
@@ -67,9 +67,9 @@ class Datum:
             self.zero[:3] = np.where(np.isfinite(ends), ends - INSIDE, 0.0).tolist()
         self._set(self.zero, setup.machine_zero)
 
-    def _set(self, values: list[float], given: Position) -> None:
+    def _set(self, values: list[float], position: Position) -> None:
         slots = self.poses.slots()
-        for letter, value in given.items():
+        for letter, value in position.items():
             if letter in slots:
                 values[slots[letter]] = value
 
@@ -102,10 +102,101 @@ class Datum:
 
     def origin(self, offset: str) -> list[float]:
         """Joint positions (3 + rotary) at the origin of a work offset, with the machine's own tool."""
-        given = self.setup.offsets.get(offset)
+        position = self.setup.offsets.get(offset)
         values = [*self.home, *[0.0] * len(self.poses.rotary)]
-        if given is not None:
+        if position is not None:
             lift = self.own_length * self.lift
             for letter, slot in self.poses.slots().items():
-                values[slot] = self.zero[slot] + given.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
+                values[slot] = self.zero[slot] + position.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
         return values
+
+
+@dataclass
+class Coordinates:
+    """Offset, frame, mode and tool length in force."""
+
+    datum: Datum
+    turn: tuple[float, ...]
+    """By what the program shifted its rotary words [rad]."""
+    offset: str = ""
+    """Name of the work offset; "" is its stand-in."""
+    frame: Matrix = affine.IDENTITY
+    """What the program itself shifted or turned, in the coordinates of the work offset."""
+    tilted: bool = False
+    """Whether the frame is a plane that the tool is turned to, fixed to the part."""
+    tip_mode: bool = False
+    fixed_at: list[float] | None = None
+    """Rotary positions at which tip mode fixed the frame to the workpiece [rad]; None for zero."""
+    length_of: str = ""
+    """Tool whose length counts; "" is the one in the spindle."""
+    compensated: bool = False
+    """Whether the control reckons with that length."""
+    off: bool = False
+    """Whether the program ended the reckoning with a length (G49, D0), which tip mode may outlast."""
+    oversize: float = 0.0
+    """By how much longer than the table says the program calls the tool [m]."""
+    programmed: tuple[float, float, float] | None = None
+    """Offset of the tool that the program itself tells, in place of the table's: along X, Y, and its length [m]."""
+    named_for: str | None = None
+    """Tool that was in the spindle when the length was named; None where none was."""
+
+    def tool_offset(self, tool: str) -> tuple[float, float, float]:
+        """Along X, Y and Z [m], that the control reckons with."""
+        if self.programmed is not None:
+            return self.programmed
+        return (0.0, 0.0, self.length(tool) if self.compensated else 0.0)
+
+    def length(self, tool: str) -> float:
+        """Of the tool that counts, as the program has it [m]."""
+        if self.off and self.tip_mode:
+            # as of words that are joints: the nose, or the machine's own tool where no sheet tells of offsets
+            return 0.0 if self.datum.setup.offsets else self.datum.own_length
+        return self.datum.length(self.length_of or tool) + self.oversize
+
+    @property
+    def reckons(self) -> bool:
+        """Whether where the tip is depends on the length of a tool that is in no word of the program."""
+        return (self.compensated or self.tip_mode or self.tilted) and self.programmed is None
+
+    def placement(self, tool: str) -> Placement:
+        """Of words, with a tool in the spindle."""
+        length = self.length(tool) if self.programmed is None else self.programmed[2]
+        if (self.tip_mode or self.tilted) and self.datum.poses.machine is not None:
+            # a plane lies on the part already: tip mode that begins in it does not turn it again
+            return self._on_part(length, None if self.tilted else self.fixed_at)
+        # a length that was named for the tool before stays in force, but tells nothing of where the tip is
+        another = (self.programmed is not None or self.length_of) and self.named_for != tool
+        return self._of_joints(length, self.datum.length(tool) if another else length)
+
+    def on_part(self) -> Placement:
+        """Of words that would be the tip of the machine's own tool on the part."""
+        own = self.datum.own_length
+        return self._of_joints(own, own) if self.datum.poses.machine is None else self._on_part(own, None)
+
+    def _of_joints(self, length: float, tool_length: float) -> Placement:
+        """Of words that are joints, where the control reckons with a length; `tool_length` is that of the tool."""
+        datum = self.datum
+        origin = datum.origin(self.offset)
+        without = -datum.own_length if datum.setup.offsets else 0.0
+        reckoned = datum.lift * (length - datum.own_length if self.compensated else without)
+        linear = [a + float(b) for a, b in zip(origin, reckoned)]
+        if self.programmed is not None:
+            linear = [linear[0] + self.programmed[0], linear[1] + self.programmed[1], linear[2]]
+        matrix = affine.product(affine.shift(linear), self.frame) if any(linear) else self.frame
+        return Placement(False, matrix, self._shift(origin), tool_length)
+
+    def _on_part(self, length: float, fixed_at: list[float] | None) -> Placement:
+        """In the coordinates of the work offset on the part, which carries them from where it stood when fixed."""
+        poses, origin = self.datum.poses, self.datum.origin(self.offset)
+        upright = [0.0] * len(poses.rotary)
+        held = poses.carried(fixed_at) if fixed_at is not None and any(fixed_at) else upright
+        at, columns, _ = poses.linear_map(held)
+        _, zero, _ = poses.linear_map(upright)
+        turn = columns @ np.linalg.inv(zero)
+        matrix = affine.of_array(np.column_stack([turn, at + columns @ np.array(origin[:3])]))
+        framed = matrix if self.frame is affine.IDENTITY else affine.product(matrix, self.frame)
+        return Placement(True, framed, self._shift(origin), length)
+
+    def _shift(self, origin: list[float]) -> tuple[float, ...]:
+        shift = tuple(a + b for a, b in zip(origin[3:], self.turn))
+        return shift if any(shift) else ()

@@ -43,8 +43,8 @@ class Tool:
 
     def figures(self) -> dict[str, float]:
         """What is known of it, by the key of the sheet [m]."""
-        told = {"length": self.length, "radius": self.radius, "corner_radius": self.corner_radius}
-        return {key: figure for key, figure in told.items() if figure is not None}
+        values = {"length": self.length, "radius": self.radius, "corner_radius": self.corner_radius}
+        return {key: figure for key, figure in values.items() if figure is not None}
 
 
 @dataclass(frozen=True)

@@ -7,29 +7,34 @@ from collections.abc import Callable
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.gcode.actions.compensation import FORBIDDEN_FUNCTIONS, Compensation
-from toolpace.programs.reading.gcode.actions.frames.frames import Frames
-from toolpace.programs.reading.gcode.actions.frames.planes import MEANINGS, Planes
-from toolpace.programs.reading.gcode.actions.functions import Functions
-from toolpace.programs.reading.gcode.actions.holes import KINDS, Holes
-from toolpace.programs.reading.gcode.actions.macros import Macros
-from toolpace.programs.reading.gcode.actions.modal import ARCS, Modal
-from toolpace.programs.reading.gcode.actions.modes import Modes
-from toolpace.programs.reading.gcode.actions.motion import MotionReader
-from toolpace.programs.reading.gcode.actions.places import Places
-from toolpace.programs.reading.gcode.actions.saved_modes import SavedModes
-from toolpace.programs.reading.gcode.actions.splines import SPLINES, Splines
-from toolpace.programs.reading.gcode.actions.surface_holes import SurfaceHoles
-from toolpace.programs.reading.gcode.actions.tools import Tools
-from toolpace.programs.reading.gcode.idle_words import IdleWords
+from toolpace.programs.reading.gcode.compensation import FORBIDDEN_FUNCTIONS, Compensation
+from toolpace.programs.reading.gcode.frames.frames import Frames
+from toolpace.programs.reading.gcode.frames.planes import MEANINGS, Planes
+from toolpace.programs.reading.gcode.functions import Functions, IdleWords, SavedModes
+from toolpace.programs.reading.gcode.holes import KINDS, Holes
+from toolpace.programs.reading.gcode.modal import ARCS, Modal
+from toolpace.programs.reading.gcode.modes import Modes
+from toolpace.programs.reading.gcode.motion import MotionReader
+from toolpace.programs.reading.gcode.places import Places
 from toolpace.programs.reading.gcode.program import alarms
 from toolpace.programs.reading.gcode.program.blocks import Block
-from toolpace.programs.reading.gcode.program.calls import Calls
+from toolpace.programs.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
 from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow
-from toolpace.programs.reading.gcode.program.increments import LENGTHS, increment
-from toolpace.programs.reading.gcode.program.meanings import GROUP_OF
-from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError, WordError, bounded, near_whole
+from toolpace.programs.reading.gcode.program.words import (
+    GROUP_OF,
+    LENGTHS,
+    Handler,
+    Numbers,
+    RefusedError,
+    WordError,
+    bounded,
+    increment,
+    near_whole,
+)
+from toolpace.programs.reading.gcode.splines import SPLINES, Splines
+from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
+from toolpace.programs.reading.gcode.tools import Tools
 from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
 from toolpace.programs.reading.options import ReadOptions
 
@@ -46,6 +51,12 @@ PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
 FREE = ("P", "Q", "E", "L", "R", "K", "I", "J")
 """Letters that belong to a word of their block that moves nothing."""
+LENGTHS_OF_MACROS = frozenset("IJK").union(ARGUMENTS) - frozenset("DHMST")
+"""Arguments that are no whole numbers by their letter."""
+NO_MACRO = (
+    "its blocks are neither in this file nor in one beside it: give them with the program; where it measures and comes "
+    "back to where it began, --skip-unknown passes over it"
+)
 
 
 class Executor:
@@ -105,7 +116,7 @@ class Executor:
         """Execute the words of a block. Raises WordError, ArcError, ProgramError."""
         state, control, actions, handlers = self.state, self.control, block.actions, self.handlers
         state.stop_here = state.in_machine = state.at_home = state.cycle_word = False
-        if self.planes.told and not any(action.meaning in MEANINGS for action in actions):
+        if self.planes.blocks and not any(action.meaning in MEANINGS for action in actions):
             self.planes.need_whole()
         numbers = self._numbers(block)
         moves, corner = len(control.moves), self.motion.corners.waiting
@@ -281,3 +292,37 @@ class Executor:
     def _end(self, numbers: Numbers, word: str) -> None:
         self.after = self.compensation.pause
         self.state.ended = True
+
+
+class Macros:
+    """Carries out G65 and G66."""
+
+    def __init__(self, control: Control, state: Modal, motion: MotionReader, calls: Calls, by: Controller) -> None:
+        self.control, self.state, self.motion, self.calls, self.controller = control, state, motion, calls, by
+        self.least_increment = by.option("whole_numbers", "as written") == "least increment"
+
+    def call(self, block: Block, word: str, *, modal: bool) -> None:
+        """G65 and G66. Raises RefusedError where what is called is not at hand, and moves in no way that is known."""
+        if self.least_increment and block.whole & LENGTHS_OF_MACROS:
+            raise RefusedError("arguments of a macro without a point", "what they count goes by their letter: write it")
+        missing = (self.calls.modal_macro if modal else self.calls.macro)(block.arguments, word)
+        if missing is None:
+            return
+        if missing.word in self.controller.ignored:
+            self.control.findings.ignored(missing.word)
+        elif self.controller.meanings.get(missing.word) == "feed":
+            self._protected(missing)
+        else:
+            raise RefusedError(missing.word, NO_MACRO)
+
+    def _protected(self, missing: Missing) -> None:
+        """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
+        state, control, arguments = self.state, self.control, missing.given
+        before = state.motion, control.feed.value, control.feed.turn
+        found = {letter: arguments.get(ARGUMENTS[letter]) for letter in "XYZ"}
+        feed = arguments.get(ARGUMENTS["F"])
+        if feed is not None:
+            control.feed.set(feed, state.unit, control.line)
+        state.motion = "feed"
+        self.motion.execute({key: value for key, value in found.items() if value is not None}, None, control.line)
+        state.motion, control.feed.value, control.feed.turn = before

@@ -5,26 +5,25 @@ from __future__ import annotations
 import re
 
 from toolpace.common.units import INCH, MILLIMETRE
+from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import FeedRules
 from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
-from toolpace.programs.reading.curves.arcs import ArcError
-from toolpace.programs.reading.curves.beziers import CurveError
 from toolpace.programs.reading.findings import Findings
-from toolpace.programs.reading.gcode.actions.modal import Modal
 from toolpace.programs.reading.gcode.execute import Executor
+from toolpace.programs.reading.gcode.modal import FREE, Modal, System
 from toolpace.programs.reading.gcode.program.blocks import Block, Compiler
 from toolpace.programs.reading.gcode.program.expressions import value_of
 from toolpace.programs.reading.gcode.program.flow import Flow, Frame
 from toolpace.programs.reading.gcode.program.statements import Statement
 from toolpace.programs.reading.gcode.program.variables import Variables
 from toolpace.programs.reading.gcode.program.words import RefusedError, WordError, plain_words
-from toolpace.programs.reading.gcode.system import FREE, System
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.source import Source
+from toolpace.programs.reading.splines import CurveError
 
 MOST_KEPT = 5000
 """Lines that are kept taken apart: those of loops come again, those of long programs do not."""

@@ -6,11 +6,18 @@ Without a point: Fanuc, parameter 3401#0 (DPI) = 0; Haas: Setting 162 and those 
 from __future__ import annotations
 
 from toolpace.common.units import INCH, MILLIMETRE
-from toolpace.programs.reading.gcode.actions.holes import KINDS
-from toolpace.programs.reading.gcode.actions.modal import ARCS, Modal
+from toolpace.programs.reading.gcode.holes import KINDS
+from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.blocks import Block
-from toolpace.programs.reading.gcode.program.increments import LENGTHS, OF_ARCS, ROUNDED, increment, rounded
-from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
+from toolpace.programs.reading.gcode.program.words import (
+    LENGTHS,
+    OF_ARCS,
+    ROUNDED,
+    Numbers,
+    RefusedError,
+    increment,
+    rounded,
+)
 
 SECONDS = frozenset("XU")
 _ANGLES: dict[str, frozenset[str]] = {

@@ -8,14 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from toolpace.common.arrays import Floats
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.coordinates.orientation import near
+from toolpace.programs.reading.coordinates.kinematics import near
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 
-STILL = 1e-9
-"""Of angles [rad] and of parts of unit vectors that count as zero."""
 HEAD = (
     "write PLANE SPATIAL or PLANE VECTOR: where two axes turn the tool, or one that is not across it, axis positions "
     "do not tell in one way how X and Y of the plane are turned"
@@ -51,7 +50,7 @@ class AxialAngles:
             column = control.slot(letter) - 3
             self.named[column] = angle + (self.named.get(column, 0.0) if adds else 0.0)
         for column, name in enumerate(control.poses.rotary_names):
-            if column not in self.named and abs(control.words[3 + column]) > STILL:
+            if column not in self.named and abs(control.words[3 + column]) > ROUNDING:
                 raise BlockError(
                     f"PLANE AXIAL leaves {name} out, which stands at {math.degrees(control.words[3 + column]):.4g}: "
                     "which angle the control takes is not known here, write all rotary axes"
@@ -63,20 +62,17 @@ class AxialAngles:
         None where two axes of a head make it, or one that is not across the tool."""
         poses, shift = self.control.poses, self.control.placement.shift
         rotary = [a + b for a, b in zip(words, shift)] if shift else words
-        _, zero, straight = poses.linear_map([0.0] * len(rotary))
-        if not (abs(straight[0]) < STILL and abs(straight[1]) < STILL and straight[2] > 0.0):
+        _, _, straight = poses.linear_map([0.0] * len(rotary))
+        if not (abs(straight[0]) < ROUNDING and abs(straight[1]) < ROUNDING and straight[2] > 0.0):
             return None
         carried = poses.carried(rotary)
-        _, columns, _ = poses.linear_map(carried)
         head = [a - b for a, b in zip(rotary, carried)]
         turned = self._of_head(head)
         if turned is None:
             return None
         if any(head):
             self.control.findings.assumed(TURNED_HEAD)
-        made = columns @ np.linalg.inv(zero) @ turned
-        near = np.round(made)
-        return affine.linear(np.where(np.abs(made - near) < 1e-13, near, made).tolist())
+        return affine.of_array(poses.turn_of_part(carried) @ turned)
 
     def turning_to(self, plane: Matrix) -> list[float] | None:
         """Rotary words (rotary) [rad] at which a table turns the part so that a plane which is not tilted lies along X
@@ -89,13 +85,13 @@ class AxialAngles:
                 there = near(turned, present[column], *map(float, machine.travel[joint]))
                 words = [0.0 if there is None or k != column else there for k in range(len(poses.rotary))]
                 made = self.plane(words)
-                if there is not None and made is not None and np.allclose(made, plane, atol=STILL):
+                if there is not None and made is not None and np.allclose(made, plane, atol=ROUNDING):
                     return words
         return None
 
     def _of_head(self, head: list[float]) -> Floats | None:
         """Rotation (3, 3) of a tool along z by positions of the axes of the head [rad]."""
-        tilted = [column for column, angle in enumerate(head) if abs(angle) > STILL]
+        tilted = [column for column, angle in enumerate(head) if abs(angle) > ROUNDING]
         if not tilted:
             return np.eye(3)
         if len(tilted) > 1:
@@ -105,7 +101,7 @@ class AxialAngles:
         _, _, beside = self.control.poses.linear_map(quarter)
         about = np.cross((0.0, 0.0, 1.0), beside)
         angle = abs(head[tilted[0]])
-        if abs(float(np.linalg.norm(about)) - math.sin(0.5)) > STILL:
+        if abs(float(np.linalg.norm(about)) - math.sin(0.5)) > ROUNDING:
             return None
         return turn_about(about / np.linalg.norm(about), angle) if _along(about, axis, angle) else None
 
@@ -113,7 +109,7 @@ class AxialAngles:
 def _along(about: Floats, axis: Floats, angle: float) -> bool:
     """Whether a turn of z about a direction (3,) by an angle [rad] leads to an axis (3,)."""
     unit = about / np.linalg.norm(about)
-    return bool(np.allclose(turn_about(unit, angle)[:, 2], axis, atol=STILL))
+    return bool(np.allclose(turn_about(unit, angle)[:, 2], axis, atol=ROUNDING))
 
 
 def turn_about(unit: Floats, angle: float) -> Floats:

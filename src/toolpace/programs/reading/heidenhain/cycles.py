@@ -9,12 +9,12 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes, Items
-from toolpace.programs.reading.heidenhain.holes.patterns import Patterns
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.tilting import MOST_ANGLE, Tilting
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
@@ -101,7 +101,7 @@ class Cycles:
 
     def refused(self, number: str) -> None:
         """A cycle that is not read; nor are its calls."""
-        self.control.findings.refused(f"CYCL DEF {number}", self.control.line, CURE)
+        self.control.refuse(f"CYCL DEF {number}", CURE)
         self.holes.define(-1, {})
 
     def items(self, text: str) -> dict[int, Value | str]:
@@ -121,8 +121,8 @@ class Cycles:
         GLOBAL DEF. Raises BlockError, UnsetError."""
         found: Items = {}
         self.takes_general = PREDEF in items.values()
-        for number, given in items.items():
-            value = self.general.get(number) if given == PREDEF else given
+        for number, item in items.items():
+            value = self.general.get(number) if item == PREDEF else item
             if value is None:
                 raise BlockError(f"Q{number}=PREDEF takes the value of GLOBAL DEF, which tells none: write it there")
             found[number] = value if isinstance(value, str) else evaluate(value)
@@ -141,7 +141,7 @@ class Cycles:
         def run() -> None:
             if self.takes_general:
                 cure = "write it before CYCL DEF: whether the cycle takes the new values is not read"
-                self.control.findings.refused("GLOBAL DEF behind a cycle with PREDEF", self.control.line, cure)
+                self.control.refuse("GLOBAL DEF behind a cycle with PREDEF", cure)
             self.general |= {q: value if isinstance(value, str) else evaluate(value) for q, value in items.items()}
 
         return run
@@ -194,7 +194,7 @@ class Cycles:
         """7: datum shift."""
         if "#" in text:
             cure = "write the shift of each axis in place of the number in the datum table"
-            return lambda: self.control.findings.refused("CYCL DEF 7 #", self.control.line, cure)
+            return lambda: self.control.refuse("CYCL DEF 7 #", cure)
         axes = self.axes(text)
         return lambda: self.frames.shift(self.by_letter(axes))
 
@@ -261,7 +261,7 @@ class Cycles:
                     told.add(slot)
             if any(slot not in told for slot in self.frames.scaled()):
                 cure = "name each axis that is scaled, with the factor 1 where that is to end"
-                self.control.findings.refused("CYCL DEF 26 without an axis that is scaled", self.control.line, cure)
+                self.control.refuse("CYCL DEF 26 without an axis that is scaled", cure)
             self.frames.scale(by, centre)
 
         return run
@@ -276,7 +276,7 @@ class Cycles:
         """19: tilted plane."""
         if "ABST" in text or "DIST" in text or "SETUP" in text or re.search(r"F\s*[0-9]", text):
             cure = "write PLANE SPATIAL .. TURN, or position A, B, C by Q120 to Q122 in a block of its own"
-            return lambda: self.control.findings.refused("CYCL DEF 19 with a feed", self.control.line, cure)
+            return lambda: self.control.refuse("CYCL DEF 19 with a feed", cure)
         axes = self.axes(text)
         return lambda: self.tilting.cycle_19({x: evaluate(value) for _, x, value in axes}, axial=self.axial)
 

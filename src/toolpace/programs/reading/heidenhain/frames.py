@@ -116,7 +116,7 @@ class Frames:
             slot = self.control.slot(letter)
             if slot in self.mirrored and value:
                 cure = "shift it before, and end the shift after the mirror"
-                self.control.findings.refused("a shift of a mirrored rotary axis", self.control.line, cure)
+                self.control.refuse("a shift of a mirrored rotary axis", cure)
             elif slot < 3:
                 level.shifts[slot] = value + (level.shifts[slot] if adds else 0.0)
             else:
@@ -129,7 +129,7 @@ class Frames:
         """No shift of any axis; refused in a plane over one before it, of which no manual says whether it ends."""
         if self.plane is not None and "shift" in self.before.steps:
             cure = "write PLANE RESET before, or CYCL DEF 7 with zeros in the plane"
-            self.control.findings.refused("TRANS DATUM RESET in a plane over a shift", self.control.line, cure)
+            self.control.refuse("TRANS DATUM RESET in a plane over a shift", cure)
         for level in (self.before, self.within):
             level.shifts = [0.0, 0.0, 0.0]
             level.put("shift", affine.IDENTITY)
@@ -141,10 +141,10 @@ class Frames:
         """Mirror the axes of these letters, and no others; of rotary axes the words count the other way."""
         rotary = frozenset(self.control.slot(letter) for letter in letters if letter not in "XYZ")
         if rotary and (self.plane is not None or any(self.rotary[slot - 3] for slot in rotary)):
-            self.control.findings.refused(
-                "a mirror of a rotary axis in a tilted plane, or over its shift", self.control.line,
+            self.control.refuse(
+                "a mirror of a rotary axis in a tilted plane, or over its shift",
                 "mirror it without both, or let the CAM system mirror the path",
-            )  # fmt: skip
+            )
             return
         self.mirrored = rotary
         self.level.put("mirror", affine.scaling([-1.0 if letter in letters else 1.0 for letter in "XYZ"]))
@@ -196,25 +196,3 @@ def spatial(a: float, b: float, c: float) -> Matrix:
 def euler(precession: float, nutation: float, rotation: float) -> Matrix:
     """Euler angles [rad] about z, the new x, the new z."""
     return affine.turns((2, precession), (0, nutation), (2, rotation))
-
-
-def of_axes(x: list[float], z: list[float]) -> Matrix | None:
-    """The plane of a direction x (3,) and a normal z (3,), which are made upright to each other; None where they
-    are parallel or zero."""
-    length = math.hypot(*z)
-    if length < 1e-9:
-        return None
-    z = [value / length for value in z]
-    along = sum(a * b for a, b in zip(x, z))
-    x = [a - along * b for a, b in zip(x, z)]
-    length = math.hypot(*x)
-    if length < 1e-9:
-        return None
-    x = [value / length for value in x]
-    y = cross(z, x)
-    return affine.linear(list(zip(x, y, z)))
-
-
-def cross(a: list[float], b: list[float]) -> list[float]:
-    """Vector product (3,)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

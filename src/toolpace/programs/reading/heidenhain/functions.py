@@ -83,7 +83,7 @@ class ModeFunctions:
             corner = None if tool is None else tool.corner_radius
             if centre and corner is None:
                 cure = "give the tool's corner_radius on the set-up sheet (R2, by which the centre is above the tip)"
-                self.control.findings.refused("FUNCTION TCPM REFPNT CENTER-CENTER", self.control.line, cure)
+                self.control.refuse("FUNCTION TCPM REFPNT CENTER-CENTER", cure)
             self.machine.tip_mode(True, corner if centre and corner is not None else 0.0)
             self.machine.spatial_angles(spatial)
 
@@ -118,4 +118,4 @@ class ModeFunctions:
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""
-        return lambda: self.control.findings.refused(word, self.control.line, cure)
+        return lambda: self.control.refuse(word, cure)

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
-from toolpace.programs.reading.control.joint_moves import straight_in_machine
-from toolpace.programs.reading.control.retract import retract
-from toolpace.programs.reading.control.tool_axis import direction_on_part
+from toolpace.programs.reading.control.machine_moves import direction_on_part, retract, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.heidenhain import tilting_axes
+from toolpace.programs.reading.coordinates.kinematics import TURN
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import Function, PathWords, code_of
@@ -28,7 +26,6 @@ UNTILTED = (
     "M130: X, Y and Z are the linear axes as without the plane (under M128 the tip), and what was programmed in the "
     "plane does not count"
 )
-FULL_TURN = 360.0 * DEGREE
 MOST_FUNCTIONS = 4
 """Of a block (TNC 640 Klartext, "Entering miscellaneous functions M"; iTNC 530 takes two)."""
 
@@ -71,7 +68,7 @@ class MachineFunctions:
             "retract": self.retracted,
             "noted": self.noted,
             "look ahead": lambda function: lambda: motion.compensation.look_ahead(function.words.get("LA")),
-            "tilting axes": lambda function: lambda: tilting_axes.take(control, function.words),
+            "tilting axes": lambda function: lambda: tilting_axes(control, function.words),
         }
         self.at_end: dict[str, Callable[[Function], Step]] = {
             "tip mode off": lambda _: lambda: self.tip_mode(False),
@@ -129,14 +126,13 @@ class MachineFunctions:
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""
         if self.motion.compensation.follower is not None:
-            cure = "corners of a compensated contour are read as they are without it: remove it"
-            self.control.findings.refused(word, self.control.line, cure)
+            self.control.refuse(word, "corners of a compensated contour are read as they are without it: remove it")
         else:
             self.control.findings.ignored(word)
 
     def refused(self, word: str, cure: str) -> Step:
         """A step that notes a refused word."""
-        return lambda: self.control.findings.refused(word, self.control.line, cure)
+        return lambda: self.control.refuse(word, cure)
 
     def noted(self, function: Function) -> Step:
         """A function that is taken in a certain way, which the controller's file tells under `options`."""
@@ -153,7 +149,7 @@ class MachineFunctions:
         self.state.tip_mode = on
         if not on:
             self.state.spatial = False
-        elif any(abs(value) > 1e-9 for value in self.control.words[3:]):
+        elif any(abs(value) > ROUNDING for value in self.control.words[3:]):
             where = "stand here" if self.control.rules.fixed_where_switched else "are at zero"
             self.control.findings.assumed(f"M128 fixes X, Y, Z to the part as it lies where the tables {where}")
         self.control.set_tip_mode(on)
@@ -174,20 +170,20 @@ class MachineFunctions:
             return
         offset = control.datum.origin(control.coordinates.offset)[3:]
         if any(offset) and any(control.poses.carried(offset)):
-            control.findings.refused(
-                "M128 with a preset that shifts a rotary axis of the table", control.line,
+            control.refuse(
+                "M128 with a preset that shifts a rotary axis of the table",
                 "parameters of the machine tell whether X and Y turn with it: set the shift to zero, and turn the part "
                 "by CYCL DEF 10",
-            )  # fmt: skip
+            )
 
     def spatial_angles(self, on: bool) -> None:
         """AXIS SPAT: A, B and C are angles in space; they are zero to begin with where the tool stands upright."""
         control, state = self.control, self.state
         if on and self.frames.mirrored:
-            control.findings.refused("AXIS SPAT over a mirror of rotary axes", control.line, "mirror X, Y and Z only")
+            control.refuse("AXIS SPAT over a mirror of rotary axes", "mirror X, Y and Z only")
         state.spatial = on
         upright = direction_on_part(control, (0.0, 0.0, 1.0)) if on else []
-        stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < 1e-9
+        stands = on and math.dist(upright, control.poses.axis(control.placement.place(control.words)[3:])) < ROUNDING
         state.spatial_angles = [0.0 if stands else None] * 3
 
     def shortest(self, on: bool) -> None:
@@ -223,9 +219,9 @@ class MachineFunctions:
 
         def run() -> None:
             if self.frames.mirrored:
-                control.findings.refused("M94 of mirrored axes", control.line, "end the mirror before (CYCL DEF 8)")
+                control.refuse("M94 of mirrored axes", "end the mirror before (CYCL DEF 8)")
                 return
-            wanted = {letter: control.words[control.slot(letter)] % FULL_TURN for letter in letters}
+            wanted = {letter: control.words[control.slot(letter)] % TURN for letter in letters}
             control.set_position(wanted)
             self.frames.rotary = list(control.coordinates.turn)
 
@@ -265,11 +261,10 @@ class MachineFunctions:
             rapid = self.motion.set_feed(words)
             if self.state.tip_mode:
                 # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128" (TNC 620, "M128")
-                cure = "write M129 or FUNCTION RESET TCPM before"
-                self.control.findings.refused("M91 and M92 under M128", self.control.line, cure)
+                self.control.refuse("M91 and M92 under M128", "write M129 or FUNCTION RESET TCPM before")
                 return
             if any(axis[1] for axis in axes):
-                self.control.findings.refused("incremental words with M91", self.control.line, "write absolute ones")
+                self.control.refuse("incremental words with M91", "write absolute ones")
                 return
             target, _ = self.motion.target(
                 [(slot, False, value, unit) for slot, _, value, unit in axes], of_program=False
@@ -298,3 +293,17 @@ class MachineFunctions:
             self.state.came_from = []
 
         return run
+
+
+def tilting_axes(control: Control, letters: Collection[str]) -> None:
+    """M138: note that it changes nothing, or refuse it where it names some of the rotary axes only.
+
+    "The TNC performs the above functions only in those tilting axes that you have defined using M138", without axes in
+    all again (TNC 620 Conversational, "Selecting tilting axes: M138").
+    """
+    own = {name.upper() for name in control.poses.rotary_names}
+    if letters and own - set(letters):
+        cure = "leave it out: planes and M128 are read with all rotary axes of the machine"
+        control.refuse("M138 with some of the rotary axes", cure)
+    else:
+        control.findings.ignored("M138")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import FeedRules
 from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID
-from toolpace.programs.reading.curves.arcs import ArcError
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, UnsetError
@@ -52,17 +53,18 @@ class HeidenhainReader:
         self._first_preset()
         flow, state = self.flow, self.state
         while not state.ended:
-            program, at = flow.program, flow.at
+            frame = flow.frames[-1]
+            program, at = frame.program, frame.next
             if at < len(program.blocks):
-                flow.at = at + 1
+                frame.next = at + 1
                 self._execute(program, at)
-            elif flow.calls:
+            elif len(flow.frames) > 1:
                 self._execute_end(program)
             else:
                 self.source.must_be_ended("END PGM, M2 nor M30")
                 break
         self.statements.approaches.refuse()
-        self.statements.motion.refuse_corner()
+        self.statements.motion.corners.refuse()
         self.findings.raise_if_refused(self.source, self.options.skip_unknown)
         return self.control
 
@@ -72,11 +74,11 @@ class HeidenhainReader:
         self.control.begin_block(line)
         try:
             program.step(at, self.statements.compile)()
-        except (BlockError, ArcError) as error:
+        except (BlockError, ArcError, CornerError) as error:
             program.source.fail(str(error), block.line)
         except UnsetError as error:
             name = str(error)
-            self.state.corner = None  # the block that it waits for is this one
+            self.statements.motion.corners.waiting = None  # the block that it waits for is this one
             if name:
                 self.findings.refused(name, line, RADIUS if name == "Q108" else UNSET)
 

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from toolpace.common.units import MILLIMETRE
-from toolpace.programs.reading.control.corners import Corner
+from toolpace.programs.reading.arcs import Arc
 from toolpace.programs.reading.coordinates.placement import Placement
-from toolpace.programs.reading.curves.arcs import Arc
 
-INCH = 25.4 * MILLIMETRE
 PLANES = ("YZ", "ZX", "XY")
 """Planes by the tool axis X, Y, Z: the angle is 0 along their first axis."""
 OF_AXIS = ((1, 2), (2, 0), (0, 1))
 """First and second axis of the plane across each axis."""
-ARC_PLANE = (2, 1, 0)
-"""Its number in `reading.curves.arcs`."""
 
 
 @dataclass
@@ -71,7 +67,5 @@ class State:
     """Words before the last motion; empty where there was none."""
     came_by: Arc | None = None
     """The arc of the last motion."""
-    corner: Corner | None = None
-    """RND or CHF of the block before."""
     ended: bool = False
     """Whether M2, M30 or the end of the main program was reached."""

@@ -5,28 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from toolpace.common.units import MILLIMETRE
+from toolpace.common.units import INCH, MILLIMETRE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.heidenhain.contour.approach import Approaches, Form
-from toolpace.programs.reading.heidenhain.contour.circles import Circles
-from toolpace.programs.reading.heidenhain.contour.corners import Corners
+from toolpace.programs.reading.heidenhain.contour.circles import Circles, Polar
+from toolpace.programs.reading.heidenhain.contour.lines import SingleAxis, SurfaceLines, corner
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
-from toolpace.programs.reading.heidenhain.contour.polar import Polar
-from toolpace.programs.reading.heidenhain.contour.single_axis import SingleAxis
-from toolpace.programs.reading.heidenhain.contour.surface_lines import SurfaceLines
 from toolpace.programs.reading.heidenhain.cycles import Cycles
-from toolpace.programs.reading.heidenhain.flow import Flow
+from toolpace.programs.reading.heidenhain.drilling import Holes
+from toolpace.programs.reading.heidenhain.flow import Flow, Jumps
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.functions import ModeFunctions
-from toolpace.programs.reading.heidenhain.holes.drilling import Holes
-from toolpace.programs.reading.heidenhain.holes.patterns import Patterns
-from toolpace.programs.reading.heidenhain.jumps import Jumps
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, named
 from toolpace.programs.reading.heidenhain.klartext.words import AXES, VALUE, PathWords, path_words, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
-from toolpace.programs.reading.heidenhain.state import INCH, State
+from toolpace.programs.reading.heidenhain.patterns import Patterns
+from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.tilting import Tilting
 from toolpace.programs.reading.heidenhain.tools import Tools
 
@@ -76,8 +72,8 @@ class Statements:
             "CTP": lambda text: self.path(text, polar.polar_tangent),
             "APPR": self.shaped(approaches.approach),
             "DEP": self.shaped(approaches.departure),
-            "RND": self.corner("RND", Corners(motion)),
-            "CHF": self.corner("CHF", Corners(motion)),
+            "RND": self.corner("RND"),
+            "CHF": self.corner("CHF"),
             "M": lambda text: self.path("M" + text, motion.line),
             "STOP": self.stop,
             "BEGIN": self.begin,
@@ -163,14 +159,14 @@ class Statements:
 
         return made
 
-    def corner(self, name: str, corners: Corners) -> Callable[[str], Step]:
+    def corner(self, name: str) -> Callable[[str], Step]:
         """RND and CHF with their size; R may be missing."""
 
         def made(text: str) -> Step:
             found = _SIZE.match(text)
             size = signed(found[1], self.parameters) if found else None
             words = path_words(text[found.end() :] if found else text, self.parameters)
-            return corners.compile(name, words, size)
+            return corner(self.motion, name, words, size)
 
         return made
 

@@ -7,15 +7,14 @@ import re
 from dataclasses import dataclass, field
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.joint_moves import turn_joints
-from toolpace.programs.reading.control.retract import turn_about
-from toolpace.programs.reading.control.tool_axis import plane_axis
+from toolpace.programs.reading.control.machine_moves import plane_axis, turn_about, turn_joints
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.heidenhain.axial import HEAD, AxialAngles
 from toolpace.programs.reading.heidenhain.contour.motion import Step
-from toolpace.programs.reading.heidenhain.frames import Frames, cross, euler, of_axes, spatial
+from toolpace.programs.reading.heidenhain.frames import Frames, euler, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
@@ -35,12 +34,10 @@ PROJECTED = (
 ANGLES = ("A", "B", "C")
 MOST_ANGLE = 360.0
 """Of a tilt or a rotation [deg] (TNC 640, "Input format and unit of TNC functions")."""
-STRAIGHT = 1e-9
-"""Most of X and Y in a unit vector that is taken for upright."""
 
 
 @dataclass
-class Asked:
+class PlaneBlock:
     """The words of a PLANE block."""
 
     values: dict[str, Value] = field(default_factory=dict)
@@ -81,49 +78,49 @@ class Tilting:
         form, _, rest = text.partition(" ")
         if form not in FORMS:
             cure = PROJECTED if form == "PROJECTED" else "write PLANE SPATIAL with its angles"
-            return lambda: self.control.findings.refused(f"PLANE {form}", self.control.line, cure)
-        asked = self.words(rest)
-        if form != "RESET" and not asked.words & {"MOVE", "TURN", "STAY"}:
+            return lambda: self.control.refuse(f"PLANE {form}", cure)
+        block = self.words(rest)
+        if form != "RESET" and not block.words & {"MOVE", "TURN", "STAY"}:
             raise BlockError(f"PLANE {form} does not say how the axes turn: write MOVE, TURN or STAY")
-        return lambda: self.run(form, asked)
+        return lambda: self.run(form, block)
 
-    def words(self, text: str) -> Asked:
+    def words(self, text: str) -> PlaneBlock:
         """Read the words. Raises BlockError."""
-        asked, at = Asked(), 0
+        block, at = PlaneBlock(), 0
         while text[at:].strip():
             match = _WORD.match(text, at)
             if match is None:
                 raise BlockError(f"'{text[at:].strip()[:20]}' is not read in PLANE: check its spelling")
             at = match.end()
             if match[1]:
-                asked.words.add("".join(match[1].split()))
+                block.words.add("".join(match[1].split()))
             else:
-                asked.values[match[2]] = signed(match[3], self.parameters)
-        return asked
+                block.values[match[2]] = signed(match[3], self.parameters)
+        return block
 
-    def run(self, form: str, asked: Asked) -> None:
+    def run(self, form: str, block: PlaneBlock) -> None:
         """Tilt, and turn the rotary axes as asked."""
         self.positions = None
         self.of_cycle_19 = {} if form == "RESET" else None
         if form == "RESET":
-            self.reset(asked)
+            self.reset(block)
         elif not self.hindered(by_axes=form == "AXIAL"):
-            made = self.matrix(form, asked)
+            made = self.matrix(form, block)
             if made is None:
                 return
             self.frames.tilt(made)
-            self.turn(asked, reset=False)
+            self.turn(block, reset=False)
         self.machine.motion.seen_upright = None
         self.machine.state.came_from = []
         self.machine.state.spatial_angles = [None] * 3
 
-    def reset(self, asked: Asked) -> None:
+    def reset(self, block: PlaneBlock) -> None:
         """The axes back to zero, and no plane: MOVE holds the tip on the part, as long as the plane is there."""
         self.axes.reset()
-        turned = any(abs(angle) > STRAIGHT for angle in self.control.words[3:])
-        if "MOVE" in asked.words and turned and self.frames.plane is None and self.control.poses.machine is not None:
+        turned = any(abs(angle) > ROUNDING for angle in self.control.words[3:])
+        if "MOVE" in block.words and turned and self.frames.plane is None and self.control.poses.machine is not None:
             self.frames.tilt(affine.rotation(2, 0.0))
-        self.turn(asked, reset=True)
+        self.turn(block, reset=True)
         self.frames.tilt(None)
 
     def hindered(self, *, by_axes: bool) -> bool:
@@ -131,52 +128,52 @@ class Tilting:
         found = self.frames.hindrance(by_axes=by_axes)
         if found is not None:
             word, cure = found
-            self.control.findings.refused(word, self.control.line, cure)
+            self.control.refuse(word, cure)
         return found is not None
 
-    def matrix(self, form: str, asked: Asked) -> Matrix | None:
+    def matrix(self, form: str, block: PlaneBlock) -> Matrix | None:
         """The rotation of a plane in the frame of the datum; None where it is refused."""
         if form == "SPATIAL":
-            return spatial(*asked.angles("SPA", "SPB", "SPC"))
+            return spatial(*block.angles("SPA", "SPB", "SPC"))
         if form == "EULER":
-            return euler(*asked.angles("EULPR", "EULNU", "EULROT"))
+            return euler(*block.angles("EULPR", "EULNU", "EULROT"))
         if form == "RELATIV":
             now = affine.IDENTITY if self.frames.plane is None else self.frames.plane
-            return affine.product(now, spatial(*asked.angles("SPA", "SPB", "SPC", default=0.0)))
+            return affine.product(now, spatial(*block.angles("SPA", "SPB", "SPC", default=0.0)))
         if form == "AXIAL":
-            return self.axial(asked)
+            return self.axial(block)
         if form == "VECTOR":
-            made = of_axes(asked.vector("B"), asked.vector("N"))
+            made = affine.of_axes(block.vector("B"), block.vector("N"))
         else:
-            first, second, third = (asked.vector(f"P{k}") for k in (1, 2, 3))
+            first, second, third = (block.vector(f"P{k}") for k in (1, 2, 3))
             x = [b - a for a, b in zip(first, second)]
-            made = of_axes(x, cross(x, [b - a for a, b in zip(first, third)]))
+            made = affine.of_axes(x, affine.cross(x, [b - a for a, b in zip(first, third)]))
         if made is None:
             raise BlockError(f"PLANE {form}: its vectors are parallel or zero and span no plane")
         return made
 
-    def axial(self, asked: Asked) -> Matrix | None:
+    def axial(self, block: PlaneBlock) -> Matrix | None:
         """The plane across the tool at positions of the rotary axes; None where it is refused."""
         angles = {}
-        for word in asked.values:
+        for word in block.values:
             if word.removeprefix("I") in ANGLES:
-                angles[word[-1]] = asked.value(word) * DEGREE, word.startswith("I")
+                angles[word[-1]] = block.value(word) * DEGREE, word.startswith("I")
         self.positions = self.axes.take(angles)
         made = self.axes.plane(self.positions)
         if made is None:
-            self.control.findings.refused("PLANE AXIAL", self.control.line, HEAD)
+            self.control.refuse("PLANE AXIAL", HEAD)
         return made
 
-    def turn(self, asked: Asked, *, reset: bool) -> None:
+    def turn(self, block: PlaneBlock, *, reset: bool) -> None:
         """MOVE, TURN or STAY; the angles go to Q120 to Q122."""
         control = self.control
-        words = asked.words
-        if "MB" in asked.values or "MB" in words or "MAX" in words:
-            distance = asked.value("MB") * self.machine.state.unit if "MB" in asked.values else None
+        words = block.words
+        if "MB" in block.values or "MB" in words or "MAX" in words:
+            distance = block.value("MB") * self.machine.state.unit if "MB" in block.values else None
             if distance is not None and distance < 0.0:
                 raise BlockError("MB of PLANE is the length of the way back, from zero on: correct it")
             self.machine.back(distance, None)
-        pivot = asked.value("DIST", asked.value("ABST", 0.0)) * self.machine.state.unit
+        pivot = block.value("DIST", block.value("ABST", 0.0)) * self.machine.state.unit
         if pivot < 0.0:
             raise BlockError("DIST of PLANE is a distance from zero on: correct it")
         sign = 1 if words & {"SEQ+", "SYM+"} else -1 if words & {"SEQ-", "SYM-"} else 0
@@ -189,7 +186,7 @@ class Tilting:
             turned = self.axes.turning_to(self.frames.plane or affine.IDENTITY)
             if turned is None:
                 cure = "no table of the machine turns about the tool: write COORD ROT"
-                control.findings.refused("TABLE ROT of a plane that is not tilted", control.line, cure)
+                control.refuse("TABLE ROT of a plane that is not tilted", cure)
         if straight or turned is not None:
             wanted = turned or [0.0] * len(control.poses.rotary)
         elif self.positions is not None:
@@ -201,9 +198,9 @@ class Tilting:
             return
         if "TURN" in words and self.machine.state.tip_mode:
             cure = "write MOVE, or M129 before: whether the tip stays or the linear axes do is not known here"
-            control.findings.refused("PLANE .. TURN under M128", control.line, cure)
+            control.refuse("PLANE .. TURN under M128", cure)
             return
-        feed = self.feed(asked)
+        feed = self.feed(block)
         rapid = feed is None
         with control.feed.held(*((1.0, 1.0) if feed is None else self.machine.motion.speed_of(feed))):
             if "MOVE" in words:
@@ -211,13 +208,13 @@ class Tilting:
             else:
                 turn_joints(control, wanted, rapid=rapid)
 
-    def feed(self, asked: Asked) -> float | None:
+    def feed(self, block: PlaneBlock) -> float | None:
         """F of MOVE or TURN; None at rapid. Raises BlockError."""
-        if "F" in asked.values:
-            return asked.value("F")
-        if "FAUTO" in asked.words:
+        if "F" in block.values:
+            return block.value("F")
+        if "FAUTO" in block.words:
             return self.machine.motion.automatic()
-        if "FMAX" not in asked.words:
+        if "FMAX" not in block.words:
             self.control.findings.assumed("PLANE .. MOVE and TURN without F turn the axes at rapid")
         return None
 
@@ -235,7 +232,7 @@ class Tilting:
         if fault:
             control.source.fail(fault, control.line)
         above, out_of_travel = control.orientation.rotary(axis, start, 1)
-        if not sign and not out_of_travel and math.dist(above, start) < math.dist(nearer, start) + STRAIGHT:
+        if not sign and not out_of_travel and math.dist(above, start) < math.dist(nearer, start) + ROUNDING:
             nearer = above
         shift = control.placement.shift or (0.0,) * len(nearer)
         return [a - b for a, b in zip(nearer, shift)]
@@ -267,7 +264,7 @@ class Tilting:
         elif self.hindered(by_axes=True):
             return
         elif axial:
-            made = self.axial(Asked(dict(angles)))
+            made = self.axial(PlaneBlock(dict(angles)))
             if made is None:
                 return
             self.frames.tilt(made)
@@ -283,4 +280,4 @@ class Tilting:
 
 def upright(axis: list[float]) -> bool:
     """Whether a direction (3,) is +z."""
-    return abs(axis[0]) < STRAIGHT and abs(axis[1]) < STRAIGHT and axis[2] > 0.0
+    return abs(axis[0]) < ROUNDING and abs(axis[1]) < ROUNDING and axis[2] > 0.0

@@ -5,14 +5,15 @@ from __future__ import annotations
 import re
 
 from toolpace.common.units import MINUTE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.coordinates.tool_lengths import NOT_LISTED
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters
 from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.points import NOT_LISTED
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
@@ -21,8 +22,6 @@ DEFINED = "L and R of TOOL DEF are passed over: lengths and radii of tools are t
 DELTAS = ("DL", "DR", "DR2")
 MOST_DELTA, MOST_TOOL = 999.9999, 32767.9
 """Of an oversize (TNC7; 99.9999 on older ones), and of a tool's number ("Input format and unit of TNC functions")."""
-STRAIGHT = 1e-9
-"""By what a unit vector may miss an axis that it is along."""
 
 
 class Tools:
@@ -60,7 +59,7 @@ class Tools:
                 self.state.oversize = any(deltas)
                 self.change(tool or self.control.tool, figures)
             if "VC" in figures:
-                self.control.findings.refused("VC of TOOL CALL", self.control.line, "write the spindle speed S")
+                self.control.refuse("VC of TOOL CALL", "write the spindle speed S")
             if "S" in figures:
                 self.control.feed.spindle = max(figures["S"], 0.0) / MINUTE
             if figures.get("F"):
@@ -78,11 +77,10 @@ class Tools:
     def axis(self, letter: str) -> None:
         """The tool axis; it sets the plane of arcs, turns and cycles."""
         if letter not in "XYZ":
-            cure = "write X, Y or Z for the tool axis"
-            self.control.findings.refused(f"TOOL CALL with tool axis {letter}", self.control.line, cure)
+            self.control.refuse(f"TOOL CALL with tool axis {letter}", "write X, Y or Z for the tool axis")
             return
         axis = "XYZ".index(letter)
-        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - STRAIGHT:
+        if self.control.poses.machine is not None and abs(self.control.datum.lift[axis]) < 1.0 - ROUNDING:
             self.control.findings.assumed(
                 f"TOOL CALL with tool axis {letter} sets the plane of arcs, turns and cycles; the tool stands as the "
                 "machine holds it, and its length counts along it"
@@ -110,7 +108,7 @@ class Tools:
         if self.state.tip_mode:
             # "Before positioning with M91 or M92 and before a TOOL CALL block, reset M128"
             cure = "write M129 or FUNCTION RESET TCPM before, and switch it on again behind"
-            control.findings.refused("TOOL CALL of a tool under M128", control.line, cure)
+            control.refuse("TOOL CALL of a tool under M128", cure)
             return
         self.state.radius_oversize = figures.get("DR", 0.0) * self.state.unit
         table = {name.upper(): name for name in control.setup.tools}
@@ -120,11 +118,11 @@ class Tools:
         if tool and tool not in control.setup.tools and control.setup.tools:
             control.findings.assumed(NOT_LISTED.format(tool))
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
-        known = control.setup.tool(tool)
-        if known is None or known.radius is None:
+        listed = control.setup.tool(tool)
+        if listed is None or listed.radius is None:
             if "Q108" not in map(str.upper, control.setup.variables):
                 self.parameters.shared.pop("Q108", None)
         else:
             # "Q108: radius R of the tool table, plus DR of TOOL CALL" (Q parameters that the control assigns)
-            self.parameters.set("Q108", known.radius / self.state.unit + figures.get("DR", 0.0))
+            self.parameters.set("Q108", listed.radius / self.state.unit + figures.get("DR", 0.0))
         self.state.came_from = []

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from toolpace.programs.reading.control.joint_moves import reference
-from toolpace.programs.reading.curves.arcs import ArcError
+from toolpace.programs.reading.arcs import ArcError
+from toolpace.programs.reading.control.machine_moves import reference
+from toolpace.programs.reading.coordinates.affine import IDENTITY
 from toolpace.programs.reading.sinumerik.cycles.holes import Holes
 from toolpace.programs.reading.sinumerik.cycles.patterns import places
-from toolpace.programs.reading.sinumerik.cycles.swivel import swivel
-from toolpace.programs.reading.sinumerik.cycles.thread import mill_thread
-from toolpace.programs.reading.sinumerik.orientation.rotary_order import initial_rotary
-from toolpace.programs.reading.sinumerik.orientation.tool_frame import turn_along_tool
-from toolpace.programs.reading.sinumerik.orientation.turned_plane import need_turned
+from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
+from toolpace.programs.reading.sinumerik.cycles.threads import mill_thread
+from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run
 from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, text
 from toolpace.programs.reading.sinumerik.word_values import Arguments, Words, number
@@ -111,7 +110,7 @@ class Commands:
                     raise ValueFault(f"TRAORI and TRAFOOF under {cure}")
         if on and not coordinates.tip_mode and self.run.frames.tilted:
             self.control.findings.assumed(BOTH)
-        elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != _NONE):
+        elif on and not coordinates.tip_mode and (self.run.frames.offset or coordinates.frame != IDENTITY):
             self.control.findings.assumed("TRAORI keeps the offset and the frame in force (MD10602)")
         with self.run.motion.placed(frames=True):
             self.control.set_tip_mode(on)
@@ -130,7 +129,7 @@ class Commands:
     def _frame_along_tool(self, values: list[Value | None]) -> None:
         """TOFRAME: as TOROT, but that it takes the programmed frame's place (Programming Manual Fundamentals, 12.8)."""
         frames = self.run.frames
-        if frames.tilted or frames.tool != _NONE or frames.programmed() != _NONE or frames.turns_words:
+        if frames.tilted or frames.tool != IDENTITY or frames.programmed() != IDENTITY or frames.turns_words:
             raise Unread("TOFRAME upon another frame", "whether its shift stays is not sure: write TOROT")
         self.control.findings.assumed("TOFRAME turns the coordinates about their origin, as TOROT does")
         self._turn_along_tool(values, bound=True)
@@ -217,6 +216,3 @@ class Commands:
             writes[name](index, value, unit)
             return
         raise Unread(f"{name}=", "it sets data of the control that may shift positions: put them on the set-up sheet")
-
-
-_NONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))

@@ -1,19 +1,31 @@
-"""Compensation of the tool's radius: G40, G41, G42, the rules that are in force, and its suppression."""
+"""Tools (T, D) and the compensation of their radius: G40, G41, G42, the rules in force, and its suppression."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from toolpace.common.units import DEGREE
-from toolpace.programs.reading.compensation.ends import Departing, follow, leave
-from toolpace.programs.reading.compensation.following import Follower
-from toolpace.programs.reading.compensation.rules import ACROSS, ARC, CENTRE, CONTOUR, INSIDE, MEETING, TOUCHING, Rules
-from toolpace.programs.reading.compensation.suppressed import Suppressed
+from toolpace.common.units import DEGREE, INCH, MINUTE
+from toolpace.programs.reading.compensation.following import Departing, Follower, Suppressed, follow, leave
+from toolpace.programs.reading.compensation.stage import (
+    ACROSS,
+    ARC,
+    CENTRE,
+    CONTOUR,
+    INSIDE,
+    MEETING,
+    TOUCHING,
+    OffsetStage,
+    Rules,
+)
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax.values import ValueFault
-from toolpace.programs.reading.sinumerik.tooling import Tooling
+from toolpace.programs.reading.sinumerik.syntax.values import Axis, ValueFault, shown
+from toolpace.programs.reading.sinumerik.word_values import Words, number
 
+LENGTH_STAYS = (
+    "the length of the tool stays along Z under G18 and G19, as posts count on it (SD42940 = 17; else it is along Y, X)"
+)
 _CURE = (
     "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), or give --compensation program "
     "where the CAM system wrote the path of the tool's centre (the radius of D is then that of wear, or zero)"
@@ -28,6 +40,77 @@ LOOKED_AT = 999
 """Elements that CDON looks at here: MD20240 tells how many, which we do not know."""
 SIDES = {"G41": 1, "G42": -1}
 SUPPRESSION = ("CUTCONON", "CUTCONOF")
+
+
+class Tooling:
+    """The tool that is selected, the one in the spindle, and what of them counts."""
+
+    def __init__(self, control: Control, state: State, options: ReadOptions) -> None:
+        self.control, self.state = control, state
+        self.as_programmed = options.compensation == PROGRAM
+        self.selected = ""
+        self.at_once = False
+        """Whether T changes the tool, since the program has no M6."""
+        self.edge = 1
+        control.set_length("")
+
+    def take(self, words: Words) -> None:
+        """T, D and S of a block."""
+        word = words.pop("T", None)
+        if word is not None:
+            value = word.value
+            if isinstance(value, (tuple, bool, Axis)):
+                raise ValueFault(f'T is the number or the name of a tool, not {shown(value)}: write T5 or T="MILL"')
+            self.selected = value.strip() if isinstance(value, str) else f"{value:g}"
+            if self.at_once:
+                self.change()
+        edge = number(words, "D")
+        if edge is not None:
+            if edge != round(edge) or edge < 0.0:
+                raise ValueFault(f"D{edge:g} is no number of a cutting edge (alarm 14090): write D1, or D0 for none")
+            self._refuse_within(f"D{edge:g}")
+            self.edge = round(edge)
+            if self.edge > 1 and self.control.setup.tools:
+                self.control.findings.assumed(f"D{self.edge} has the length that the sheet tells of the tool")
+            self.control.set_length(None if self.edge == 0 else "")
+        overshoot = number(words, "DISC")
+        if overshoot is not None:
+            self._refuse_within("DISC")
+            self.state.overshoot = overshoot
+        allowance = number(words, "OFFN")
+        if allowance is not None:
+            self._refuse_within("OFFN")
+            if allowance and self.state.unit == INCH and self.state.feed_unit is None:
+                raise ValueFault("OFFN under G70: whether it is in inches is not told; write G700 or G71")
+            self.state.allowance = allowance * self.state.unit
+        spindle = number(words, "S")
+        if spindle is not None:
+            self.control.feed.spindle = spindle / MINUTE
+
+    def change(self, *, edge_told: bool = False) -> None:
+        """Put the selected tool into the spindle; its first edge counts then, unless D stands in the block."""
+        self._refuse_within("a change of the tool")
+        self.control.change_tool(self.selected)
+        if self.edge == 0 and not edge_told:
+            self.edge = 1
+            self.control.set_length("")
+
+    def _refuse_within(self, what: str) -> None:
+        if isinstance(self.control.stage, OffsetStage):
+            raise ValueFault(f"{what} while the radius is compensated is not read: write G40 before it")
+
+    @property
+    def radius(self) -> float | None:
+        """Of the tool in the spindle [m], zero where its contour is the programmed one; None: unknown."""
+        if self.as_programmed or self.edge == 0:
+            return 0.0
+        found = self.control.setup.tools.get(self.control.tool)
+        return None if found is None else found.radius
+
+    def plane_changed(self) -> None:
+        """Say where the length of the tool lies under G18 and G19."""
+        if self.state.plane and self.edge and not self.control.coordinates.tip_mode:
+            self.control.findings.assumed(LENGTH_STAYS)
 
 
 class Compensation:
@@ -49,7 +132,7 @@ class Compensation:
             return
         radius = self.tooling.radius
         if radius is None:
-            control.findings.refused(code, control.line, _CURE)
+            control.refuse(code, _CURE)
         elif self.tooling.as_programmed:
             control.findings.assumed("G41 and G42: the tool follows the programmed contour")
         elif follower is None:
@@ -117,13 +200,11 @@ class Compensation:
     def _refuse_unread(self, code: str) -> None:
         control, state = self.control, self.state
         if state.approach not in ("NORM", "KONT"):
-            cure = "NORM and KONT are read: write one of them in its place"
-            control.findings.refused(f"{code} with {state.approach}", control.line, cure)
+            control.refuse(f"{code} with {state.approach}", "NORM and KONT are read: write one of them in its place")
         if state.overshoot and state.outside == "G450":  # "DISC only applies with call of G450"
-            control.findings.refused(f"{code} with DISC", control.line, "arcs are read without it: write DISC=0")
+            control.refuse(f"{code} with DISC", "arcs are read without it: write DISC=0")
         if not state.in_frame and not self._in_machine_plane():
-            cure = "its plane is that of the machine: write CUT2DF"
-            control.findings.refused(f"{code} in a tilted frame", control.line, cure)
+            control.refuse(f"{code} in a tilted frame", "its plane is that of the machine: write CUT2DF")
 
     def _in_machine_plane(self) -> bool:
         """Whether the plane of the program is parallel to that of the axes, as the rotary axes stand.

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
-from toolpace.common.units import DEGREE
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.programs.reading.arcs import ArcError
+from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
-from toolpace.programs.reading.curves.arcs import ArcError
+from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
-from toolpace.programs.reading.sinumerik.contour.polar import set_pole
-from toolpace.programs.reading.sinumerik.feed_words import FeedWords
-from toolpace.programs.reading.sinumerik.flow.arguments import values_of
-from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter
+from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter, values_of
 from toolpace.programs.reading.sinumerik.frames import PROGRAMMED
-from toolpace.programs.reading.sinumerik.groups import fault_of
 from toolpace.programs.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.programs.reading.sinumerik.run import Modal, Run
-from toolpace.programs.reading.sinumerik.state import DYNAMICS, MODES, TOLERANCES, apply
+from toolpace.programs.reading.sinumerik.state import DYNAMICS, MODES, TOLERANCES, apply, fault_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, shown
-from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, check_settled
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, real, shown
+from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, check_settled, number
 
 FEEDS = {"G93": INVERSE, "G94": PER_MINUTE, "G95": PER_REVOLUTION}
 IN_MACHINE = ("SUPA", "G53", "G153")
@@ -29,6 +28,8 @@ OTHER_PLANES = ("G18", "G19")
 FGREF = "FGREF is passed over: where F is the speed of rotary axes, a degree counts as a millimetre (radius 57.3 mm)"
 POLES = ("G110", "G111", "G112")
 OFFSETS = {"G500": 0, **{f"G{53 + k}": k for k in range(1, 5)}, **{f"G{500 + k}": k for k in range(5, 100)}}
+MOST_SHARE = 2.0
+"""Of OVR."""
 
 
 @dataclass
@@ -157,7 +158,7 @@ class Executor:
     def _words(self, block: Block) -> Words:
         if block.plain:
             literals = self.memory.literals
-            return {word.address: Given(literals[word.literal]) for word in block.words}
+            return {word.address: WordValue(literals[word.literal]) for word in block.words}
         words: Words = {}
         memory = self.memory
         for word in block.words:
@@ -166,7 +167,7 @@ class Executor:
             if word.address in memory.local:
                 memory.assign(word.address, (), value)
             else:
-                words[word.address] = Given(value, word.form, tuple(index(memory) for index in word.indices))
+                words[word.address] = WordValue(value, word.form, tuple(index(memory) for index in word.indices))
         return words
 
     def _assign(self, block: Block) -> None:
@@ -279,10 +280,10 @@ class Executor:
                 moved = self.motion.in_machine(words, stop=stop)
             elif self.motion.has_axes(words):
                 moved = self.motion.execute(words, stop=stop)
-        except ArcError as error:
+        except (ArcError, CornerError) as error:
             raise ValueFault(str(error)) from None
-        for address, given in words.items():
-            self._left(address, given.value)
+        for address, word in words.items():
+            self._left(address, word.value)
         return moved
 
     def _ask(self, words: Words) -> None:
@@ -306,3 +307,63 @@ class Executor:
         if address in OF_ARCS:
             cure = "it belongs to arcs: remove it, or write G2, G3 or CIP"
         self.refuse(f"{address}=" if len(address) > 1 and address[-1] != "=" else address, self.control.line, cure)
+
+
+class FeedWords:
+    """Reads F and G4."""
+
+    def __init__(self, run: Run) -> None:
+        self.control, self.state, self.findings = run.control, run.state, run.findings
+        self.share = 1.0
+        """OVR: what is made of F."""
+
+    def dwell(self, words: Words) -> None:
+        """G4 F2 or G4 S3: seconds, or turns of the spindle; F and S in force stay."""
+        seconds, turns = number(words, "F"), number(words, "S")
+        if words:
+            raise ValueFault(f"G4 beside {next(iter(words))}: write G4 in a block of its own (alarm 12120)")
+        if seconds is None and turns is None:
+            raise ValueFault("G4 needs its time: write G4 F2 for seconds, or G4 S3 for turns of the spindle")
+        if seconds is None and turns is not None:
+            if self.control.feed.spindle <= 0.0:
+                raise ValueFault("G4 S counts turns of the spindle: write its speed S before it, or G4 F2")
+            seconds = turns / self.control.feed.spindle
+        self.control.dwell(seconds or 0.0)
+
+    def override(self, words: Words) -> None:
+        """OVR: the share of F [percent] that feed motions have from here on. Raises ValueFault."""
+        share = (number(words, "OVR") or 0.0) / 100.0
+        if not 0.0 < share <= MOST_SHARE:
+            raise ValueFault(f"OVR={share * 100.0:g} is the share of F in percent: write more than 0, 200 at most")
+        feed, changed = self.control.feed, share / self.share
+        if feed.value is not None:
+            feed.value, feed.turn = feed.value * changed, feed.turn * changed
+        if self.state.inverse is not None:
+            self.state.inverse *= changed
+        self.share = share
+
+    @contextmanager
+    def of_block(self, words: Words) -> Iterator[None]:
+        """FB: the feed of one block, behind which F holds again (NC Programming, 7: non-modal feed)."""
+        if "FB" not in words:
+            yield
+            return
+        feed = self.control.feed
+        before = feed.value, feed.turn, feed.unit
+        words["F"] = words.pop("FB")
+        self.feed(words)
+        yield
+        feed.value, feed.turn, feed.unit = before
+
+    def feed(self, words: Words) -> None:
+        """F: under G700 and G710 in the unit of lengths, under G70 and G71 in the base unit of the control."""
+        value = real(words.pop("F").value)
+        feed, state = self.control.feed, self.state
+        if feed.mode == INVERSE:
+            if not 0.0 < value <= 1e9:
+                raise ValueFault(f"feed F{value:g} must be above zero: correct F")
+            state.inverse = value * self.share
+            return
+        if state.feed_unit is None and state.base_unit is None and state.unit != MILLIMETRE:
+            self.findings.assumed("F under G70 is in inches: the base unit of the control is the program's")
+        feed.set(value * self.share, state.unit_of_control(), self.control.line)

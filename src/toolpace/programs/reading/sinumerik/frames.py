@@ -7,12 +7,24 @@ programmed frame. TRANS, ROT, ROTS, SCALE and MIRROR replace the whole programme
 from __future__ import annotations
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax import frame_functions
-from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, ValueFault, real, whole
+from toolpace.programs.reading.sinumerik.syntax.values import (
+    SLOTS,
+    Axis,
+    Unread,
+    Value,
+    ValueFault,
+    mirror,
+    real,
+    rotation,
+    scale,
+    solid,
+    whole,
+)
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 PROGRAMMED = ("TRANS", "ROT", "ROTS", "SCALE", "MIRROR", "ATRANS", "AROT", "AROTS", "ASCALE", "AMIRROR")
@@ -54,7 +66,7 @@ class Frames:
         self.moves_before = 0
         """Moves when it wrote it."""
         self.offset = 0
-        self.told = False
+        self.selected = False
         """Whether the program has named a settable offset."""
         self.in_force: tuple[int, Matrix] = (0, IDENTITY)
         """The settable offset, and all frames upon it, as they were put last."""
@@ -95,7 +107,7 @@ class Frames:
         G500 counts from the machine's zero where the set-up sheet tells other offsets ("deactivation of all settable
         offsets", Programming Manual Fundamentals, "Settable work offset"); without, the part's origin stands for all.
         """
-        self.offset, self.told = place, True
+        self.offset, self.selected = place, True
         offsets = self.control.setup.offsets
         if not place and offsets and SETTABLE[0] not in offsets:
             self.control.add_offset(SETTABLE[0])
@@ -131,9 +143,9 @@ class Frames:
 
     def program(self, code: str, words: Words) -> None:
         """TRANS X10, AROT Z30, ...: the words of its block. Raises ValueFault."""
-        for letter, given in words.items():
-            if given.form not in ("", "AC"):
-                raise ValueFault(f"{letter}={given.form}() of {code}: write the number alone")
+        for letter, word in words.items():
+            if word.form not in ("", "AC"):
+                raise ValueFault(f"{letter}={word.form}() of {code}: write the number alone")
         kind = code[1:] if code[0] == "A" else code
         if code == kind:
             if code == "TRANS" and any(self.fine) and words:
@@ -168,14 +180,14 @@ class Frames:
 
     def _turned(self, kind: str, words: Words) -> Matrix:
         if kind == "MIRROR":
-            return frame_functions.mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
+            return mirror([letter for letter in "XYZ" if words.pop(letter, None) is not None])
         angle = number(words, "RPL")
         if angle is not None and kind in ("ROT", "ROTS"):
-            return affine.rotation((2, 1, 0)[self.state.plane], angle * DEGREE)
+            return affine.rotation(PLANE_ACROSS[self.state.plane], angle * DEGREE)
         values = {letter: value for letter in "XYZ" if (value := number(words, letter)) is not None}
         if kind == "SCALE":
-            return frame_functions.scale(values)
-        return frame_functions.rotation(values) if kind == "ROT" or len(values) < 2 else frame_functions.solid(values)
+            return scale(values)
+        return rotation(values) if kind == "ROT" or len(values) < 2 else solid(values)
 
     def axis_shift(self, code: str, words: Words) -> None:
         """G58 and G59: the coarse or the fine shift of the axes that are named (K2: axial replacement)."""
@@ -241,7 +253,7 @@ class Frames:
         """Frames as they were."""
         for name, value in saved.items():
             setattr(self, name, value)
-        if self.told:
+        if self.selected:
             self.select(self.offset)
         else:
             self.control.set_offset("")
@@ -263,9 +275,9 @@ def _shifted_axis(name: str, index: tuple[Value, ...], parts: tuple[str, ...]) -
     """The slot of an axis whose shift a program sets, and which: [X, TR] the coarse one, [X, FI] the fine one."""
     axis, part = index[0], index[1] if len(index) > 1 else None
     letter = axis.letter if isinstance(axis, Axis) else ""
-    if not isinstance(part, str) or letter not in frame_functions.SLOTS:
+    if not isinstance(part, str) or letter not in SLOTS:
         raise Unread(f"{name}axis, part]", "its axis or its part is not read: use X, Y, Z and TR")
     if part not in parts:
-        known = " and ".join(parts)
-        raise Unread(f"{name}axis, {part}]", f"of the parts of a frame {known} is read: write the whole frame")
-    return frame_functions.SLOTS[letter], part
+        readable = " and ".join(parts)
+        raise Unread(f"{name}axis, {part}]", f"of the parts of a frame {readable} is read: write the whole frame")
+    return SLOTS[letter], part

@@ -7,19 +7,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_AXES, ROUNDING
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, CornerError, Corners
+from toolpace.programs.reading.control.corners import EDGE, ROUND, SIDES, Corners
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.control.joint_moves import straight_in_machine
-from toolpace.programs.reading.sinumerik.contour import circles
-from toolpace.programs.reading.sinumerik.contour.polar import LETTERS, end_by_pole
-from toolpace.programs.reading.sinumerik.contour.splines import BSplines
+from toolpace.programs.reading.control.machine_moves import straight_in_machine
+from toolpace.programs.reading.sinumerik import circles
+from toolpace.programs.reading.sinumerik.circles import LETTERS, end_by_pole
 from toolpace.programs.reading.sinumerik.frames import Frames
-from toolpace.programs.reading.sinumerik.orientation.turned_plane import turned_alone
-from toolpace.programs.reading.sinumerik.orientation.vectors import ANGLES, VECTOR, Vectors
+from toolpace.programs.reading.sinumerik.orientation import ANGLES, VECTOR, Vectors, turned_alone
+from toolpace.programs.reading.sinumerik.splines import BSplines
 from toolpace.programs.reading.sinumerik.state import GREAT_CIRCLE, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, ValueFault
-from toolpace.programs.reading.sinumerik.word_values import Given, Words, bounded, number
+from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
 
 OF_ARCS = ("CR", "AR", "TURN", "I", "J", "K", "I1", "J1", "K1")
 """Addresses that only arcs take."""
@@ -57,7 +57,7 @@ class Motion:
 
     def shifted(self) -> set[int]:
         """Slots whose words a frame has changed since the last motion."""
-        return {slot for slot, value in enumerate(self.control.words) if abs(self.programmed[slot] - value) > 1e-9}
+        return {slot for slot, value in enumerate(self.control.words) if abs(self.programmed[slot] - value) > ROUNDING}
 
     def has_axes(self, words: Words) -> bool:
         """Whether words ask for motion."""
@@ -110,7 +110,7 @@ class Motion:
         else:
             self._straight(target, named, vector, words)
         if corner is not None:
-            self._put(*corner, start if straight else [])
+            self.corners.put(*corner, start if straight else [])
         self.programmed = control.words
         if stop:
             control.stop()
@@ -119,7 +119,7 @@ class Motion:
     def _first(self, arcs: bool) -> None:
         """Before the first motion of a program."""
         control = self.control
-        if control.setup.offsets and not self.frames.told:
+        if control.setup.offsets and not self.frames.selected:
             control.findings.assumed("the program names no settable offset (G54) before it moves: it moves at the part")
         if arcs or not self.state.absolute:
             control.begin_here()
@@ -145,20 +145,11 @@ class Motion:
         if "RNDM" in words and not self.has_axes(words):
             self.state.rounding = (number(words, "RNDM") or 0.0) * self.state.unit
 
-    def _put(self, name: str, kind: str, size: float, came_from: list[float]) -> None:
-        try:
-            self.corners.put(name, kind, size, came_from)
-        except CornerError as error:
-            raise ValueFault(str(error)) from None
-
     def _before(self, target: list[float], straight: bool) -> None:
-        try:
-            if straight:
-                self.corners.before(target, self.state.plane)
-            else:
-                self.corners.refuse()
-        except CornerError as error:
-            raise ValueFault(str(error)) from None
+        if straight:
+            self.corners.before(target, self.state.plane)
+        else:
+            self.corners.refuse()
 
     # Where to
 
@@ -181,13 +172,13 @@ class Motion:
             if polar & named:
                 raise ValueFault("AP and RP beside the axes of their plane (alarm 14280): write one or the other")
             named |= polar
-            unsure.difference_update(circles.AXES[self.state.plane])
+            unsure.difference_update(PLANE_AXES[self.state.plane])
         self.unsure = unsure
         return target, named
 
-    def _coordinate(self, address: str, slot: int, given: Given) -> float:
-        value = bounded(given, address)
-        form = given.form
+    def _coordinate(self, address: str, slot: int, word: WordValue) -> float:
+        value = bounded(word, address)
+        form = word.form
         value *= self.state.unit if slot < 3 else DEGREE
         if form == "IC" or (not form and not self.state.absolute):
             if slot in self.unsure:
@@ -208,7 +199,7 @@ class Motion:
         if form == "DC":
             return present + math.remainder(value - present, turn)
         ahead = (value - present) % turn
-        ahead = 0.0 if turn - ahead < 1e-9 else ahead
+        ahead = 0.0 if turn - ahead < ROUNDING else ahead
         return present + (ahead if form == "ACP" or ahead == 0.0 else ahead - turn)
 
     # How
@@ -249,10 +240,10 @@ class Motion:
         else:
             arc = circles.circle(control, state, words, target, named=self._in_plane(named), polar=polar)
         control.arc(target, named, arc, self._number())
-        state.tangent = circles.last_direction(arc)
+        state.tangent = arc.last_direction()
 
     def _in_plane(self, named: int) -> int:
-        first, second = circles.AXES[self.state.plane]
+        first, second = PLANE_AXES[self.state.plane]
         return named & (1 << first | 1 << second)
 
     def _tap(self, target: list[float], named: int, words: Words) -> None:
@@ -275,13 +266,13 @@ class Motion:
             raise ValueFault("machine coordinates (SUPA, G53) are reached with G0 or G1: write one of them")
         coordinates = {}
         for address in [address for address in words if len(address) == 1 and address in LETTERS]:
-            given = words.pop(address)
+            word = words.pop(address)
             slot = control.slot(address)
-            if given.form == "IC" or (not given.form and not self.state.absolute):
+            if word.form == "IC" or (not word.form and not self.state.absolute):
                 raise ValueFault(
                     f"{address} is a distance, but SUPA and G53 need a place: write G90, or {address}=AC()"
                 )
-            coordinates[address] = bounded(given, address) * (self.state.unit if slot < 3 else DEGREE)
+            coordinates[address] = bounded(word, address) * (self.state.unit if slot < 3 else DEGREE)
         if not coordinates:
             return False
         if control.coordinates.tip_mode and not coordinates.keys().isdisjoint("XYZ"):

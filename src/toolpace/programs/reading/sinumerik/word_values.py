@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from toolpace.programs.reading.control.control import FARTHEST
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block
-from toolpace.programs.reading.sinumerik.syntax.values import Memory, Unread, Value, ValueFault, real, shown
-
-FARTHEST = 1e6
-"""Most value of an axis word [mm or inch, deg]."""
+from toolpace.programs.reading.sinumerik.syntax.values import Memory, Value, ValueFault, real, shown
 
 
-class Given(NamedTuple):
+class WordValue(NamedTuple):
     """A value and its form: AC, IC, DC, ACP, ACN or none."""
 
     value: Value
@@ -19,7 +17,7 @@ class Given(NamedTuple):
     indices: tuple[Value, ...] = ()
 
 
-Words = dict[str, Given]
+Words = dict[str, WordValue]
 
 
 def number(words: Words, address: str, default: float | None = None) -> float | None:
@@ -42,9 +40,9 @@ def check_settled(words: Words, block: Block, memory: Memory) -> None:
             )
 
 
-def bounded(given: Given, address: str) -> float:
+def bounded(word: WordValue, address: str) -> float:
     """The number of a word. Raises ValueFault."""
-    value = real(given.value)
+    value = real(word.value)
     if not abs(value) <= FARTHEST:
         raise ValueFault(f"{address} is beyond {FARTHEST:g}: correct the number")
     return value
@@ -85,6 +83,3 @@ class Arguments:
         if value is None or isinstance(value, str):
             return value or ""
         raise ValueFault(f'argument {place + 1} of {self.name} must be a text, like "TC1", not {shown(value)}')
-
-
-__all__ = ["FARTHEST", "Arguments", "Given", "Unread", "Words", "bounded", "number"]

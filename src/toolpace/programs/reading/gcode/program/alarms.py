@@ -10,7 +10,8 @@ import re
 from collections.abc import Iterator, Set
 from typing import NamedTuple
 
-from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, WordError
+from toolpace.programs.reading.gcode.program.words import NO_EXPONENT
+from toolpace.programs.reading.language.expressions import BlockError
 
 LONGEST_LINE = 252
 """Characters of a line, without its end ("Command too long")."""
@@ -97,13 +98,13 @@ def of_text(text: str) -> Iterator[Alarm]:
 
 
 def refuse_comment_in_word(line: str) -> None:
-    """Raise WordError where a comment stands between a letter and its number, or between digits."""
+    """Raise BlockError where a comment stands between a letter and its number, or between digits."""
     if "(" in line and _WITHIN.search(_COMMENT.sub("\0", line.split(";", 1)[0].upper())):
-        raise WordError("a comment stands within a word: write it before or behind")
+        raise BlockError("a comment stands within a word: write it before or behind")
 
 
 def of_codes(words: list[str]) -> Iterator[Alarm]:
-    """Of two G or M words of one modal group. Raises WordError where what the block does is not certain."""
+    """Of two G or M words of one modal group. Raises BlockError where what the block does is not certain."""
     seen: dict[str, str] = {}
     for word in words:
         group = GROUP_OF.get(word, "")
@@ -115,21 +116,21 @@ def of_codes(words: list[str]) -> Iterator[Alarm]:
         elif before == word:
             yield Alarm(f"{word} twice in a block", "write it once")
         elif word[0] == "G":
-            raise WordError(f"{before} and {word} are of one modal group ({group}): write two blocks")
+            raise BlockError(f"{before} and {word} are of one modal group ({group}): write two blocks")
         else:
             yield Alarm(f"{before} and {word} in one block", f"both are of one modal group ({group}): write two blocks")
     covets = next((word for word in words if word in WITH_AXES or word in ("G43.1", "G43.2")), None)
     motion = next((word for word in words if word in MOTIONS and word != "G80"), None)
     if covets and motion:
-        raise WordError(f"{covets} and {motion} both take the axes of the block: write two blocks")
+        raise BlockError(f"{covets} and {motion} both take the axes of the block: write two blocks")
     if "G4" in words and any(word in _ARCS for word in words):
-        raise WordError("G4 and an arc both take P: write two blocks")
+        raise BlockError("G4 and an arc both take P: write two blocks")
 
 
 def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[tuple[str, Alarm]]:
     """Letters of a block that no word of it uses, each with its alarm; a letter that is missing stands as "".
 
-    in_force: the motion in force (G1). Raises WordError where the letter may have been meant for a motion.
+    in_force: the motion in force (G1). Raises BlockError where the letter may have been meant for a motion.
     """
     if not OWN.issuperset(words):
         return
@@ -139,10 +140,10 @@ def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[t
         if present.isdisjoint(users):
             told = f"{', '.join(users[:-1])} or {users[-1]}"
             if letter == "E":
-                raise WordError(NO_EXPONENT)
+                raise BlockError(NO_EXPONENT)
             certain = letter in _OF_TOOLS or (words and in_force not in _CYCLES)
             if not certain or (letter not in _OF_TOOLS and not (present | letters).isdisjoint(_MOVING)):
-                raise WordError(f"{letter} has no use in this block, it belongs to {told}: remove it")
+                raise BlockError(f"{letter} has no use in this block, it belongs to {told}: remove it")
             yield letter, Alarm(f"{letter} without a word that uses it", f"it belongs to {told}: remove it")
     for word in words:
         if NEEDED.get(word, "S") not in letters and word in NEEDED:
@@ -150,12 +151,12 @@ def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[t
 
 
 def refuse_motionless(letters: Set[str], words: list[str], in_force: str) -> None:
-    """Raise WordError where G53 has neither G0 nor G1, or an arc no word of its centre."""
+    """Raise BlockError where G53 has neither G0 nor G1, or an arc no word of its centre."""
     present = motion(letters, words, in_force)
     if "G53" in words and present not in ("G0", "G1"):
-        raise WordError("G53 stands with G0 or G1: write it like G53 G0 Z0")
+        raise BlockError("G53 stands with G0 or G1: write it like G53 G0 Z0")
     if present in _ARCS and letters.isdisjoint(AXES | set("IJKR")):
-        raise WordError(f"{present} lacks its centre: write I, J or K, or R")
+        raise BlockError(f"{present} lacks its centre: write I, J or K, or R")
 
 
 def motion(letters: Set[str], words: list[str], in_force: str) -> str:

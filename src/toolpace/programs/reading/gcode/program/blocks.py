@@ -9,20 +9,24 @@ from functools import partial
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.program import alarms
 from toolpace.programs.reading.gcode.program.alarms import Alarm
-from toolpace.programs.reading.gcode.program.expressions import Node, Parser, Reference
-from toolpace.programs.reading.gcode.program.meanings import ORDER, Action, Vocabulary, conflict, last_of_groups
+from toolpace.programs.reading.gcode.program.expressions import Grammar, Node, Parser, Reference
 from toolpace.programs.reading.gcode.program.statements import Statement, refuse_unknown_o_word, statement
 from toolpace.programs.reading.gcode.program.words import (
+    ORDER,
     ROUND_HANDED_OVER,
-    WordError,
+    Action,
+    Vocabulary,
     bounded,
+    conflict,
     decimal_comma,
     fault,
+    last_of_groups,
     near_whole,
     plain_words,
     without_comments,
     words_behind,
 )
+from toolpace.programs.reading.language.expressions import BlockError
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _NUMBERED_BY_PARTS = re.compile(r"N[ \t]*+[0-9]{1,9}(?:\.[0-9]{1,9})?+[ \t]*+(?![0-9.])")
@@ -88,11 +92,13 @@ class Compiler:
         self.letter = controller.option("variable_letter", "#")
         self.parser = partial(
             Parser,
-            bits=self.bits,
-            letter=self.letter,
-            strict=self.rs274,
-            whole_remainder=controller.option("remainder_of_whole_numbers", False),
-            to_360=controller.option("angles_to_360", False),
+            grammar=Grammar(
+                bits=self.bits,
+                letter=self.letter,
+                strict=self.rs274,
+                whole_remainder=controller.option("remainder_of_whole_numbers", False),
+                to_360=controller.option("angles_to_360", False),
+            ),
         )
         """Makes a parser of values in the controller's manner."""
         self.indexed = controller.option("indexed_words", False)
@@ -102,7 +108,7 @@ class Compiler:
         self.last_before_feed = ORDER["inverse time" if controller.option("feed_before_units", False) else "inch"]
 
     def block(self, line: str) -> Block:
-        """Raises WordError."""
+        """Raises BlockError."""
         block = Block()
         if "(" in line:
             found = _OPERATION.search(line)
@@ -155,7 +161,7 @@ class Compiler:
         return text[: found.start()] if self.deletes else _LATE.sub(" ", text)
 
     def arrange(self, block: Block) -> None:
-        """Bring the actions into their order. Raises WordError where two exclude each other."""
+        """Bring the actions into their order. Raises BlockError where two exclude each other."""
         actions = block.actions
         if len(actions) > 1:
             if self.last_rules:
@@ -163,7 +169,7 @@ class Compiler:
             actions.sort(key=lambda action: ORDER[action.meaning])
             problem = conflict(actions)
             if problem:
-                raise WordError(problem)
+                raise BlockError(problem)
         if self.rs274 and len(block.words) > 1:
             block.alarms += [alarm for alarm in alarms.of_codes(block.words) if alarm not in block.alarms]
         block.before_feed = sum(ORDER[action.meaning] <= self.last_before_feed for action in actions)
@@ -173,7 +179,7 @@ class Compiler:
         block = Block(text)
         self._scan(block)
         if block.fixed or block.computed or block.actions:
-            raise WordError("assignments alone can stand behind THEN: write the block with GOTO around it")
+            raise BlockError("assignments alone can stand behind THEN: write the block with GOTO around it")
         return block.assignments
 
     def _words(self, block: Block) -> None:
@@ -201,7 +207,7 @@ class Compiler:
             return
         # a macro takes I, J and K several times
         if not block.calls_macro:
-            raise WordError(f"word {letter} stands twice in one block: remove one")
+            raise BlockError(f"word {letter} stands twice in one block: remove one")
 
     def code(self, block: Block, letter: str, value: float) -> None:
         """Add a G or M word to a block."""
@@ -211,7 +217,7 @@ class Compiler:
         word = f"{letter}{value:.12g}"
         block.words.append(word)
         if letter == "M" and (value != int(value) or value < 0):
-            raise WordError("M has no whole number")
+            raise BlockError("M has no whole number")
         if isinstance(found, Action):
             block.actions.append(found)
             block.calls_macro |= found.meaning in ("macro call", "modal macro call")
@@ -225,7 +231,7 @@ class Compiler:
         parser = self.parser(block.text)
         text, end = block.text, len(block.text)
         if comma := decimal_comma(text):
-            raise WordError(comma)
+            raise BlockError(comma)
         whole = []
         while True:
             while parser.at < end and text[parser.at] in " \t":
@@ -237,17 +243,17 @@ class Compiler:
             if letter == "#" or (indexed and letter == self.letter and indexed[2]):
                 self._assignment(block, parser)
             elif letter == ",":
-                parser.at = at + 2
+                parser.go_to(at + 2)
                 self._corner(block, text[at : at + 2], parser.value())
                 if text[at + 2 : parser.at].strip().isdigit():
                     whole.append(text[at : at + 2])
             elif not ("A" <= letter <= "Z"):
-                raise WordError(fault(text[at:]))
+                raise BlockError(fault(text[at:]))
             else:
                 key = letter if indexed is None else indexed[1] + indexed[2]
-                parser.at = at + 1 if indexed is None else indexed.end()
+                parser.go_to(at + 1 if indexed is None else indexed.end())
                 if indexed is None and parser.lacks_value():
-                    raise WordError(fault(text[at:]))
+                    raise BlockError(fault(text[at:]))
                 parser.address = "" if (macro := block.calls_macro) else key
                 node = parser.value() if indexed is None else parser.expression()
                 parser.address, written = "", text[at + 1 : parser.at]
@@ -268,17 +274,17 @@ class Compiler:
     def _assignment(self, block: Block, parser: Parser) -> None:
         reference = parser.value()
         if not isinstance(reference, Reference):
-            raise WordError("a variable stands at the left of '=': write it like #100=1.5")
+            raise BlockError("a variable stands at the left of '=': write it like #100=1.5")
         equals = _EQUALS.match(parser.text, parser.at)
         if equals is None:
-            raise WordError("a variable at the beginning of a block is set: write = and a value behind it")
-        parser.at = equals.end()
+            raise BlockError("a variable at the beginning of a block is set: write = and a value behind it")
+        parser.go_to(equals.end())
         if not self.rs274:
             block.assignments.append((reference, parser.expression()))
             return
         block.assignments.append((reference, parser.value()))
-        if parser.peek()[1] in parser.operations:
-            raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
+        if parser.symbol in parser.operators:
+            raise BlockError(f"'{parser.text[parser.at :].strip()[:20]}' stands behind a value: write sums in [ ]")
 
     def _word(self, block: Block, key: str, node: Node, *, reckoned: bool = False) -> None:
         if key == "G" or (key == "M" and not block.calls_macro):

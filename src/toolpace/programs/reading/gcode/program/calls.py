@@ -9,7 +9,8 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.programs.reading.gcode.program.flow import Flow
 from toolpace.programs.reading.gcode.program.variables import Key
-from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError, WordError
+from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
+from toolpace.programs.reading.language.expressions import BlockError
 
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,
@@ -71,7 +72,7 @@ class Calls:
 
     def _number(self, numbers: Numbers, word: str) -> float:
         if "P" not in numbers:
-            raise WordError(f"{word} needs what it calls as P: write it like {word} P1000")
+            raise BlockError(f"{word} needs what it calls as P: write it like {word} P1000")
         return numbers.pop("P")
 
     def back(self, numbers: Numbers, word: str) -> None:
@@ -127,9 +128,9 @@ class Calls:
             elif letter in ARGUMENTS:
                 given[ARGUMENTS[letter]] = value
             elif letter not in NO_ARGUMENTS:
-                raise WordError(f"{letter} is no argument of a macro: remove it")
+                raise BlockError(f"{letter} is no argument of a macro: remove it")
         if number is None:
-            raise WordError(f"{word} needs the macro's number as P: write it like {word} P1000 A1.5")
+            raise BlockError(f"{word} needs the macro's number as P: write it like {word} P1000 A1.5")
         return str(whole(number, "the number of a macro")), times, given
 
     @staticmethod
@@ -139,5 +140,5 @@ class Calls:
         while wanted <= last:
             wanted += 3
         if wanted > 33:
-            raise WordError("I, J and K stand more than ten times in a macro call: use fewer")
+            raise BlockError("I, J and K stand more than ten times in a macro call: use fewer")
         return wanted

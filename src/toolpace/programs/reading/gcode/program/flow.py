@@ -1,37 +1,40 @@
-"""Program flow: jumps, loops, subprograms."""
+"""Program flow: jumps, loops, subprograms.
+
+LinuxCNC's interpreter keeps of a loop that is left in its middle that it was left (`interp_o_word.cc`: `doing_break`,
+`doing_continue`, `repeat_count`), and another loop may then run too rarely or too often. A `break` that it passes over
+on its way to the end of the loop counts too. Its manual says nothing of that: where it would happen, reading ends.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NoReturn
 
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
-from toolpace.programs.reading.gcode.program.files import Files, Text
-from toolpace.programs.reading.gcode.program.loops import MOST_REPEATS, Loops
+from toolpace.programs.reading.gcode.program.layout import Files, Text
 from toolpace.programs.reading.gcode.program.statements import Statement
 from toolpace.programs.reading.gcode.program.variables import Key, Variables
+from toolpace.programs.reading.language import flow
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.language.flow import MAIN, CallStack
 from toolpace.programs.reading.source import Source
 
 DEEPEST = 64.0
 """Calls within each other, where a control does not say: it allows four to ten; more calls itself without end."""
+MOST_REPEATS = 1_000_000
+"""Of a call, and rounds of `repeat`."""
+Locals = dict[Key, float | None]
+"""Local variables of a call."""
 
 
-@dataclass(slots=True)
-class Frame:
+@dataclass(kw_only=True)
+class Frame(flow.Frame):
     """A program or subprogram that is being run."""
 
     text: Text
-    next: int = 0
-    """Index of the line that comes next."""
-    called_at: int = 0
-    """Line of the main file that stands for this frame's lines; 0 where they are its own."""
-    begin: int = 0
-    again: int = 0
-    """How often it is still to be run after this time."""
-    outer: dict[Key, float | None] | None = None
-    """Local variables of the caller, where it has others; else None."""
-    fresh: dict[Key, float | None] | None = None
+    fresh: Locals | None = None
     """Local variables with which each run begins."""
     saved: Callable[[], None] | None = None
     """Restores the modes that were saved at this level."""
@@ -48,10 +51,10 @@ class Flow:
         self, source: Source, variables: Variables, deepest: float = DEEPEST, *, to_tape_end: bool = False
     ) -> None:
         """deepest: calls within each other. to_tape_end: what stands behind a second % is not looked for."""
-        self.variables, self.deepest = variables, int(deepest)
+        self.variables = variables
         self.files = Files(source, to_tape_end)
         self.main = self.files.main
-        self.frames = [Frame(self.main)]
+        self.frames = CallStack(Frame(kind=MAIN, text=self.main), {"": (int(deepest), "")})
         self.loops = Loops()
         self.defined: set[tuple[Text, int]] = set()
         """Subprograms that were come to outside calls."""
@@ -72,7 +75,7 @@ class Flow:
         self,
         name: str,
         times: float = 1.0,
-        given: dict[Key, float | None] | None = None,
+        given: Locals | None = None,
         *,
         sub: bool = False,
         kept: bool = False,
@@ -96,37 +99,28 @@ class Flow:
         self._enter(text, line, times, None)
 
     def _enter(
-        self, text: Text, line: int, times: float, given: dict[Key, float | None] | None, *, kept: bool = False
+        self, text: Text, line: int, times: float, given: Locals | None, *, kept: bool = False
     ) -> None:
-        if not 0 <= times <= MOST_REPEATS or times != int(times):
-            self.fail(f"L{times:g} counts calls: write a whole number from 1 to {MOST_REPEATS}")
-        if times == 0:
+        runs = flow.times(times, "L", MOST_REPEATS, least=0)
+        if runs == 0:
             return
-        if len(self.frames) > self.deepest:
-            self.fail(f"calls are nested more than {self.deepest} deep: does a program call itself?")
-        frame = self.frame
-        at = frame.called_at or (frame.next if text is not frame.text else 0)
-        outer = None if given is None else self.variables.local
+        caller = self.frame
+        at = caller.called_at or (caller.next if text is not caller.text else 0)
+        frame = Frame(text=text, next=line, begin=line, again=runs - 1, called_at=at, fresh=given)
+        self.frames.enter(frame, "a program")
         if given is not None:
+            frame.at_return.append(partial(setattr, self.variables, "local", self.variables.local))
             self.variables.local = given if kept else dict(given)
-        self.frames.append(Frame(text, line, at, line, int(times) - 1, outer, given))
 
     def leave(self) -> None:
         """Return from the innermost call; in the main program the end."""
         frame = self.frame
-        if frame.again:
-            frame.again -= 1
-            frame.next = frame.begin
+        if len(self.frames) == 1 and not frame.again:
+            self.ended = True
+        elif self.frames.leave() is None:
             if frame.fresh is not None:
                 self.variables.local = dict(frame.fresh)
-            return
-        if len(self.frames) == 1:
-            self.ended = True
-            return
-        self.frames.pop()
-        if frame.outer is not None:
-            self.variables.local = frame.outer
-        if frame.restores and frame.saved is not None:
+        elif frame.restores and frame.saved is not None:
             frame.saved()
 
     # Jumps
@@ -188,7 +182,7 @@ class Flow:
         most = self.variables.locals_to
         if len(statement.arguments) > most:
             self.fail(f"a call with {len(statement.arguments)} arguments: {most} are the most")
-        given: dict[Key, float | None] = dict.fromkeys(range(1, most + 1), 0.0)
+        given: Locals = dict.fromkeys(range(1, most + 1), 0.0)
         for number, node in enumerate(statement.arguments, start=1):
             given[number] = self.value(node)
         name = statement.name
@@ -206,14 +200,104 @@ class Flow:
         if statement.kind == "endif":
             self.frame.text.layout.partner_of(line)
             return
-        if statement.kind != "if" and line not in layout.end:
+        if statement.kind != "if" and line not in layout.nesting.end:
             self.fail(f"O{statement.name} {statement.kind} belongs to no if: write one with its number or name")
         arrived, frame.arrived = frame.arrived == line, -1
         if statement.kind != "if" and not arrived:
             # the branch before was run: go behind the last one
-            frame.next = layout.end.get(line, line) + 1
+            frame.next = layout.nesting.end.get(line, line) + 1
         elif statement.kind != "else" and not self.value(statement.value):
-            following = layout.branch.get(line)
+            following = layout.nesting.following.get(line)
             if following is None:
                 self.fail(f"O{statement.name} {statement.kind} has no endif: write one")
             frame.next = frame.arrived = following
+
+
+class Loops:
+    """The loops of a run, and what is kept of those that were left."""
+
+    def __init__(self) -> None:
+        self.rounds: dict[tuple[Text, int], int] = {}
+        """Rounds left of each `repeat` that has begun, by its file and line."""
+        self.broken = 0
+        """Line of a `break` of a `while` loop, which the interpreter takes for one of the next `do` loop; 0: none."""
+        self.continued = 0
+        """Line of a `continue` of a `do` loop, which it takes for one of the next other loop that ends; 0: none."""
+
+    def following(self, kind: str, text: Text, line: int, value: float) -> int:
+        """Index of the line behind an O-word in a line (index), whose condition or count comes to a value.
+
+        Raises BlockError.
+        """
+        layout = text.layout
+        if kind in ("break", "continue"):
+            return self._leave(kind, text, line)
+        partner = layout.partner_of(line)
+        if kind == "while":
+            return self._end_do(partner, line, value) if partner < line else self._begin_while(text, line, value)
+        if kind == "repeat":
+            return self._begin_repeat(text, line, value)
+        if kind == "endrepeat":
+            return self._end_repeat(text, partner, line)
+        return partner if kind == "endwhile" else line + 1
+
+    def _begin_while(self, text: Text, line: int, held: float) -> int:
+        if held:
+            return line + 1
+        self.continued = 0
+        self._pass_over(text, line, line)
+        return text.layout.partner_of(line) + 1
+
+    def _end_do(self, begin: int, line: int, held: float) -> int:
+        if held and self.broken:
+            _other(f"do loop ends after one round, for the break in line {self.broken}")
+        self.broken = 0
+        return begin + 1 if held else line + 1
+
+    def _begin_repeat(self, text: Text, line: int, value: float) -> int:
+        for _, kind in text.layout.left.get(line, []):
+            raise BlockError(f"a {kind.lower()} of a repeat loop stands in it: they are of while and do loops")
+        if (text, line) in self.rounds:
+            _other("repeat has the rounds that were left when it was left, or called, in its middle")
+        if not -MOST_REPEATS <= value <= MOST_REPEATS:
+            raise BlockError(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
+        times = round(value)  # halves to the even one, as LinuxCNC's `round_to_int`
+        if times > 0:
+            self.rounds[text, line] = times
+            return line + 1
+        self.continued = 0
+        return text.layout.partner_of(line) + 1
+
+    def _end_repeat(self, text: Text, begin: int, line: int) -> int:
+        left = self.rounds.pop((text, begin), 1) - 1
+        if left > 0:
+            self.rounds[text, begin] = left
+            return begin + 1
+        if self.continued:
+            _other(f"repeat begins again, for the continue in line {self.continued}")
+        return line + 1
+
+    def _leave(self, kind: str, text: Text, line: int) -> int:
+        layout = text.layout
+        loop = layout.loop.get(line)
+        if loop is None:
+            raise BlockError(f"{kind} stands in no loop of its name: write the loop around it")
+        end, of_do = layout.partner_of(loop), loop in layout.do
+        if kind == "continue":
+            self.continued = line + 1 if of_do else 0
+            self._pass_over(text, loop, line)
+            return end
+        if self.continued and not of_do:
+            _other(f"break goes round again, for the continue in line {self.continued}")
+        self.broken = 0 if of_do else line + 1
+        return end + 1
+
+    def _pass_over(self, text: Text, loop: int, line: int) -> None:
+        """Go on from a line to the end of a loop."""
+        breaks = [at for at, kind in text.layout.left.get(loop, []) if kind == "BREAK" and at > line]
+        self.broken = breaks[0] + 1 if breaks else self.broken
+
+
+def _other(what: str) -> NoReturn:
+    """Raise BlockError where the interpreter goes another way than its manual says."""
+    raise BlockError(f"in LinuxCNC's interpreter this {what}: leave loops by their conditions, not in their middle")

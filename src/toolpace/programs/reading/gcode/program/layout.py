@@ -1,13 +1,14 @@
-"""The labels, subprograms and loops of a file."""
+"""The files of a program, its own and those that it calls, with their labels, subprograms and loops."""
 
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
-from collections import defaultdict
+from functools import cached_property
+from pathlib import Path
 
 from toolpace.programs.reading.gcode.program.statements import O_WORD
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.language.flow import Labels, Nesting
 from toolpace.programs.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")
@@ -18,6 +19,8 @@ _NAMED = re.compile(r"[ \t]*+O[ \t]*+<([^<>]{1,200})>[ \t]*+(?:\(.*|;.*)?$")
 _O_LINE = re.compile(r"[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?" + O_WORD.pattern)
 _DO = re.compile(r"^[^(;]*?\bDO[ \t]*+([1-3])(?![0-9])")
 _END = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+(?:N[ \t]*+[0-9]++[ \t]*+)?END[ \t]*+([1-3])(?![0-9])")
+_NUMBERS = (1, 2, 3)
+"""Of DO and END."""
 _OPENS = frozenset(("SUB", "WHILE", "DO", "REPEAT", "IF"))
 _CLOSES = {"ENDSUB": "SUB", "ENDWHILE": "WHILE", "ENDREPEAT": "REPEAT", "ENDIF": "IF"}
 
@@ -27,16 +30,15 @@ class Layout:
 
     def __init__(self, source: Source, to_tape_end: bool = False) -> None:
         """to_tape_end: nothing stands behind a second line with % alone."""
-        self.labels: dict[int, list[int]] = defaultdict(list)
+        self.labels = Labels()
+        """Sequence numbers."""
         self.programs: dict[str, int] = {}
         """Of programs, the line behind which they begin."""
         self.subs: dict[str, int] = {}
-        self.partner: dict[int, int] = {}
-        """Of the beginning of a loop or subprogram its end, and of the end its beginning."""
-        self.branch: dict[int, int] = {}
-        """Of `if`, `elseif` and `else` the next of them, or `endif`."""
-        self.end: dict[int, int] = {}
-        """Of `elseif` and `else` their `endif`; of `break` and `continue` the beginning of their loop."""
+        self.nesting = Nesting()
+        """Of O-words by their name, of DO and END by their number."""
+        self.loop: dict[int, int] = {}
+        """Of `break` and `continue` the beginning of their loop."""
         self.do: set[int] = set()
         """Beginnings of `do` loops."""
         self.left: dict[int, list[tuple[int, str]]] = {}
@@ -49,9 +51,8 @@ class Layout:
         """Of a subprogram that is written within another the line of the latter."""
         self._scope: tuple[str, int] = ("", -1)
         """Name and first line of the subprogram at hand."""
-        self._labels: dict[tuple[str, str], int] = {}
-        self._open: dict[str, list[list[int | str]]] = defaultdict(list)
-        dos: dict[str, list[int]] = defaultdict(list)
+        self._first: dict[tuple[str, str], int] = {}
+        """Line with which each O-word begins, by its subprogram and its name."""
         tapes = 0
         for index, text in enumerate(source.lines):
             if to_tape_end and text.strip() == "%":
@@ -61,15 +62,15 @@ class Layout:
             text = text.upper()
             label = _LABEL.match(text) if "N" in text else None
             if label:
-                self.labels[int(label[1])].append(index)
+                self.labels.add(int(label[1]), index)
             if "O" in text or ":" in text:
                 self._programs_and_words(text, index)
             if "DO" in text and (match := _DO.match(text)):
-                dos[match[1]].append(index)
-            elif "END" in text and (match := _END.match(text)) and dos[match[1]]:
-                begin = dos[match[1]].pop()
-                self.partner[begin], self.partner[index] = index, begin
-                self.crossed |= {open_: begin for number in dos.values() for open_ in number if open_ > begin}
+                self.nesting.begin("DO", index, int(match[1]))
+            elif "END" in text and (match := _END.match(text)) and self.nesting.innermost(int(match[1])):
+                begin = self.nesting.close(index, int(match[1]))
+                later = (each.parts[0] for number in _NUMBERS for each in self.nesting.opened[number])
+                self.crossed |= {opened: begin for opened in later if opened > begin}
 
     def _programs_and_words(self, text: str, index: int) -> None:
         word = _O_LINE.match(text)
@@ -93,10 +94,10 @@ class Layout:
         if kind == "SUB":
             if self._scope[1] >= 0:
                 self.within[index] = self.within[self._scope[1]] = self._scope[1]
-            first = self._labels.setdefault(("", f"sub {name}"), index)
+            first = self._first.setdefault(("", f"sub {name}"), index)
             self._scope = (name, index)
-        elif kind in _OPENS and not (kind == "WHILE" and self._open[name] and self._open[name][-1][0] == "DO"):
-            first = self._labels.setdefault((self._scope[0], name), index)
+        elif kind in _OPENS and not (kind == "WHILE" and self._inside(name, "DO")):
+            first = self._first.setdefault((self._scope[0], name), index)
         else:
             if kind == "ENDSUB":
                 self._scope = ("", -1)
@@ -104,52 +105,97 @@ class Layout:
         if first != index:
             self.taken[index] = first
 
+    def _inside(self, name: str, *kinds: str) -> bool:
+        """Whether the innermost O-word of a name that is open is of one of these kinds."""
+        innermost = self.nesting.innermost(name)
+        return innermost is not None and innermost.kind in kinds
+
     def _o_word(self, name: str, kind: str, index: int) -> None:
-        stack = self._open[name]
         if kind == "SUB":
             self.subs.setdefault(name, index)
-        if kind == "WHILE" and stack and stack[-1][0] == "DO":
-            self._close(stack, index)
+        if kind == "WHILE" and self._inside(name, "DO"):
+            self.nesting.close(index, name)
         elif kind in _OPENS:
-            stack.append([kind, index, index])
+            self.nesting.begin(kind, index, name)
             if kind == "DO":
                 self.do.add(index)
-        elif kind in ("ELSEIF", "ELSE") and stack and stack[-1][0] == "IF":
-            last = stack[-1]
-            self.branch[int(last[-1])] = index
-            last.append(index)
-        elif kind in ("BREAK", "CONTINUE"):
-            if stack and stack[-1][0] in ("WHILE", "DO", "REPEAT"):
-                begin = self.end[index] = int(stack[-1][1])
-                self.left.setdefault(begin, []).append((index, kind))
-        elif _CLOSES.get(kind) and stack and stack[-1][0] == _CLOSES[kind]:
-            self._close(stack, index)
-
-    def _close(self, stack: list[list[int | str]], index: int) -> None:
-        entry = stack.pop()
-        begin = int(entry[1])
-        self.partner[begin], self.partner[index] = index, begin
-        if entry[0] == "IF":
-            self.branch[int(entry[-1])] = index
-            for branch in entry[3:]:
-                self.end[int(branch)] = index
+        elif kind in ("ELSEIF", "ELSE") and self._inside(name, "IF"):
+            self.nesting.branch(index, name)
+        elif kind in ("BREAK", "CONTINUE") and self._inside(name, "WHILE", "DO", "REPEAT"):
+            begin = self.loop[index] = self.nesting.opened[name][-1].parts[0]
+            self.left.setdefault(begin, []).append((index, kind))
+        elif kind in _CLOSES and self._inside(name, _CLOSES[kind]):
+            self.nesting.close(index, name)
 
     def partner_of(self, line: int) -> int:
         """The end of a loop or subprogram that begins in a line, or the beginning of one that ends there.
 
-        Raises WordError where it is not there.
+        Raises BlockError where it is not there.
         """
-        found = self.partner.get(line)
+        found = self.nesting.partner.get(line)
         if found is None:
-            raise WordError(
+            raise BlockError(
                 "a loop or subprogram lacks its beginning or its end: write both, with the same number or name"
             )
         return found
 
     def label(self, number: int, behind: int) -> int | None:
         """Line of a sequence number: the next behind a line, else the first of the file."""
-        found = self.labels.get(number)
-        if not found:
+        found = self.labels.below(number, behind)
+        return self.labels.below(number, -1) if found is None else found
+
+
+class Text:
+    """A file of blocks."""
+
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        self.source, self.to_tape_end = source, to_tape_end
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Where its labels and loops are."""
+        return Layout(self.source, self.to_tape_end)
+
+
+class Files:
+    """Finds programs by name."""
+
+    def __init__(self, source: Source, to_tape_end: bool = False) -> None:
+        self.to_tape_end = to_tape_end
+        self.main = Text(source, to_tape_end)
+        self.beside: dict[str, Text | None] = {}
+        """Files that were looked for; None where there is none."""
+
+    def find(self, present: Text, name: str, sub: bool) -> tuple[Text, int] | None:
+        """File and first line of a program, or of an O-word's subprogram; None where there is none."""
+        for text in (present, self.main):
+            found = self._in(text, name, sub)
+            if found is not None:
+                return found
+        beside = self._beside(name)
+        if beside is None:
             return None
-        place = bisect_right(found, behind)
-        return found[place] if place < len(found) else found[0]
+        return self._in(beside, name, sub) or (beside, 0)
+
+    def lines_beside(self) -> int:
+        """Lines of the files that were called."""
+        return sum(len(text.source.lines) for text in self.beside.values() if text is not None)
+
+    @staticmethod
+    def _in(text: Text, name: str, sub: bool) -> tuple[Text, int] | None:
+        line = (text.layout.subs if sub else text.layout.programs).get(name)
+        return None if line is None else (text, line + 1)
+
+    def _beside(self, name: str) -> Text | None:
+        """A file of that name in the folder of the program."""
+        if name not in self.beside:
+            self.beside[name] = None
+            path = Path(self.main.source.name)
+            safe = all(mark.isalnum() or mark in "_-." for mark in name)
+            if safe and path.is_file():
+                stems = [name.lower(), f"o{name.lower()}", f"o{name.lower():0>4}", f"{name.lower():0>4}"]
+                wanted = {stem + suffix for stem in stems for suffix in (path.suffix.lower(), ".ngc", ".nc", "")}
+                files = sorted(other for other in path.parent.iterdir() if other.name.lower() in wanted)
+                found = next((other for other in files if other.is_file() and other != path), None)
+                self.beside[name] = None if found is None else Text(Source.load(found), self.to_tape_end)
+        return self.beside[name]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from toolpace.programs.reading.gcode.program.expressions import Node, Parser, Reference
-from toolpace.programs.reading.gcode.program.words import WordError
+from toolpace.programs.reading.language.expressions import BlockError
 
 _KINDS = (
     *("SUB", "ENDSUB", "RETURN", "CALL", "WHILE", "ENDWHILE", "DO", "IF", "ELSEIF", "ELSE", "ENDIF"),
@@ -50,7 +50,7 @@ Assignments = Callable[[str], list[tuple[Reference, Node]]]
 
 
 def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assignments) -> Statement | None:
-    """The statement that a block is; None where it has words. Raises WordError."""
+    """The statement that a block is; None where it has words. Raises BlockError."""
     if text[0] in "O:":
         match = O_WORD.match(text)
         if match:
@@ -62,7 +62,7 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
             return _computed_call(parser(text, computed.end()))
         if HEADER.match(text) and "=" not in text:
             return Statement("header", text[1:].strip())
-        raise WordError("O is followed by neither a number nor a name: write it like O1000")
+        raise BlockError("O is followed by neither a number nor a name: write it like O1000")
     if text[0] == "<":
         return Statement("header", text.strip("<> \t")) if _NAMED.fullmatch(text) else None
     match = _MACRO.match(text)
@@ -73,14 +73,14 @@ def statement(text: str, parser: Callable[[str, int], Parser], assignments: Assi
 
 def _o_word(name: str, kind: str, parser: Parser) -> Statement:
     values: list[Node] = []
-    while parser.peek()[1] == "[":
+    while parser.symbol == "[":
         values.append(parser.value())
     if kind in _CONDITIONS and len(values) != 1:
-        raise WordError(f"{kind} takes one value in [ ]: write it like o100 {kind} [#1 LT 5]")
+        raise BlockError(f"{kind} takes one value in [ ]: write it like o100 {kind} [#1 LT 5]")
     most = len(values) if kind == "call" else 1 if kind in (*_CONDITIONS, *_WITH_RESULT) else 0
     rest = parser.text[parser.at :].strip()
     if rest or len(values) > most:
-        raise WordError(f"'{(rest or '[')[:20]}' has no meaning behind {kind}: write values in [ ], and nothing else")
+        raise BlockError(f"'{(rest or '[')[:20]}' has no meaning behind {kind}: write values in [ ], and nothing else")
     if kind == "call":
         return Statement(kind, name, arguments=tuple(values))
     return Statement(kind, name, values[0] if values else None)
@@ -91,16 +91,16 @@ def _computed_call(parser: Parser) -> Statement:
     number = parser.value()
     match = _CALL.match(parser.text, parser.at)
     if match is None:
-        raise WordError("a label that is reckoned can be called, and nothing else: write a number or a name behind O")
-    parser.at = match.end()
+        raise BlockError("a label that is reckoned can be called, and nothing else: write a number or a name behind O")
+    parser.go_to(match.end())
     return _o_word("", "call", parser)._replace(number=number)
 
 
 def refuse_unknown_o_word(text: str) -> None:
-    """Raise WordError where a word stands behind an O-number: a misspelt call would be passed over."""
+    """Raise BlockError where a word stands behind an O-number: a misspelt call would be passed over."""
     found = _UNKNOWN_O.match(text)
     if found:
-        raise WordError(f"{found[1][:20]} is no O-word: write sub, call, while, do, if, repeat or one that ends these")
+        raise BlockError(f"{found[1][:20]} is no O-word: write sub, call, while, do, if, repeat or one that ends these")
 
 
 def _macro(kind: str, text: str, parser: Parser, assignments: Assignments) -> Statement:
@@ -108,33 +108,33 @@ def _macro(kind: str, text: str, parser: Parser, assignments: Assignments) -> St
         return Statement("goto", value=_last(parser))
     if kind == "END" or kind == "DO":
         return Statement(kind.lower(), str(_loop(parser)))
-    parser.take("[")
+    parser.need("[")
     condition = parser.expression()
-    parser.take("]")
+    parser.need("]")
     rest = text[parser.at :].lstrip()
-    parser.at = len(text) - len(rest)
+    parser.go_to(len(text) - len(rest))
     if kind == "WHILE":
         if not rest.startswith("DO"):
-            raise WordError("DO is missing behind WHILE [ ]: write it like WHILE [#1 LT 5] DO1")
-        parser.at += 2
+            raise BlockError("DO is missing behind WHILE [ ]: write it like WHILE [#1 LT 5] DO1")
+        parser.go_to(parser.at + 2)
         return Statement("while do", str(_loop(parser)), condition)
     if rest.startswith("GOTO"):
-        parser.at += 4
+        parser.go_to(parser.at + 4)
         return Statement("if goto", value=condition, label=_last(parser))
     if rest.startswith("THEN"):
         return Statement("if then", value=condition, assignments=tuple(assignments(rest[4:].strip())))
-    raise WordError("GOTO or THEN is missing behind IF [ ]: write it like IF [#1 EQ 0] GOTO 100")
+    raise BlockError("GOTO or THEN is missing behind IF [ ]: write it like IF [#1 EQ 0] GOTO 100")
 
 
 def _loop(parser: Parser) -> int:
     number = _last(parser)
     if number not in _LOOPS:
-        raise WordError("DO and END take the numbers 1, 2 and 3: write WHILE [ ] DO1 and END1")
+        raise BlockError("DO and END take the numbers 1, 2 and 3: write WHILE [ ] DO1 and END1")
     return int(number)
 
 
 def _last(parser: Parser) -> Node:
     value = parser.value()
     if parser.text[parser.at :].strip():
-        raise WordError(f"'{parser.text[parser.at :].strip()[:20]}' has no meaning there: write it in another block")
+        raise BlockError(f"'{parser.text[parser.at :].strip()[:20]}' has no meaning there: write it in another block")
     return value

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from toolpace.programs.reading.gcode.program.words import RefusedError, WordError, bounded
+from toolpace.programs.reading.gcode.program.words import RefusedError, bounded
+from toolpace.programs.reading.language.expressions import BlockError
 
 Key = int | str
 
@@ -67,7 +68,7 @@ class Variables:
     def get(self, key: Key) -> float | None:
         """The value. Raises UnsetError."""
         if isinstance(key, int) and key > self.last:
-            raise WordError(f"{self.text(key)} is beyond the last variable, {self.text(self.last)}: choose another")
+            raise BlockError(f"{self.text(key)} is beyond the last variable, {self.text(self.last)}: choose another")
         place = self._place(key)
         if key in place:
             return place[key]
@@ -98,7 +99,7 @@ class Variables:
         return self.system_from <= key < 10_000 and key not in self.free
 
     def set(self, key: Key, value: float | None) -> None:
-        """Give it a value. Raises WordError."""
+        """Give it a value. Raises BlockError."""
         if isinstance(key, int) and not 0 < key <= self.last:
-            raise WordError(f"{self.text(key)} cannot be set: choose another variable")
+            raise BlockError(f"{self.text(key)} cannot be set: choose another variable")
         self._place(key)[key] = None if value is None else bounded(value)

@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from toolpace.common.units import DEGREE
-from toolpace.programs.reading.compensation.ends import leave_here
+from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING, plane_arc
+from toolpace.programs.reading.compensation.following import leave_here
 from toolpace.programs.reading.control.feed import PER_MINUTE
 from toolpace.programs.reading.control.moves import RAPID
-from toolpace.programs.reading.curves.arcs import plane_arc
-from toolpace.programs.reading.heidenhain.contour.circles import Circles
+from toolpace.programs.reading.heidenhain.contour.circles import POLAR, Circles, Polar
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Step
-from toolpace.programs.reading.heidenhain.contour.polar import POLAR, Polar
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import ARC_PLANE, OF_AXIS
+from toolpace.programs.reading.heidenhain.state import OF_AXIS
 
 _FORM = re.compile(r"(P?)(LT|LN|CT|LCT)(?![A-Z])")
 
@@ -44,8 +43,6 @@ class Form(NamedTuple):
 NEEDS = {"LT": ("LEN",), "LN": ("LEN",), "CT": ("CCA", "R"), "LCT": ("R",)}
 """Words that each form takes."""
 CURE = "write the approach as L and CR blocks: it is read before a motion in the plane of the tool axis"
-SAME = 1e-9
-"""Coordinates closer than this [m] are one."""
 
 
 @dataclass
@@ -88,7 +85,7 @@ class Approaches:
 
         def run() -> None:
             control, moves = self.control, self.control.moves
-            self.motion.refuse_corner()
+            self.motion.corners.refuse()
             if not len(moves):
                 raise BlockError("APPR needs a place to begin at: position before it")
             if control.stage is not None and control.stage.compensates:
@@ -103,7 +100,7 @@ class Approaches:
             level[axis] = start[axis]
             control.straight(level, named, rapid=rapid)
             rows = 1
-            if abs(target[axis] - start[axis]) > SAME:
+            if abs(target[axis] - start[axis]) > ROUNDING:
                 control.straight(target, named, rapid=rapid)
                 rows = 2
             self.motion.set_feed(words)
@@ -121,7 +118,7 @@ class Approaches:
         control, state = self.control, self.state
         first, second = OF_AXIS[state.tool_axis]
         tangent = complex(way[first], way[second])
-        if found.moves != len(control.moves) or abs(tangent) < SAME:
+        if found.moves != len(control.moves) or abs(tangent) < ROUNDING:
             control.findings.refused("APPR", found.line, CURE)
             return
         tangent /= abs(tangent)
@@ -160,7 +157,7 @@ class Approaches:
         control, state = self.control, self.state
         before = control.words
         state.came_from, state.came_by = before, None
-        if math.dist(before, end) < SAME:
+        if math.dist(before, end) < ROUNDING:
             return
         with control.feed.held(*found.speeds) if found.speeds else nullcontext():
             if centre is None:
@@ -175,7 +172,7 @@ class Approaches:
         about = list(before[:3])
         about[first], about[second] = centre.real, centre.imag
         clockwise = side * sizes["R"] < 0.0
-        made = plane_arc(before, end, about, ARC_PLANE[state.tool_axis], clockwise)
+        made = plane_arc(before, end, about, PLANE_ACROSS[state.tool_axis], clockwise)
         control.arc(end, 0, made)
         state.came_from, state.came_by = before, made
 
@@ -193,7 +190,7 @@ class Approaches:
 
         def run() -> None:
             control, state = self.control, self.state
-            self.motion.refuse_corner()
+            self.motion.corners.refuse()
             rapid = self.motion.set_feed(words)
             sizes, side = self._sizes(form.name, words), self._side()
             u, v = self.circles.direction()
@@ -215,7 +212,7 @@ class Approaches:
                 aside = list(target)
                 aside[state.tool_axis] = control.words[state.tool_axis]
                 self.motion.straight(aside, named, rapid)
-            if abs(target[state.tool_axis] - control.words[state.tool_axis]) > SAME:
+            if abs(target[state.tool_axis] - control.words[state.tool_axis]) > ROUNDING:
                 lifted = list(control.words)
                 lifted[state.tool_axis] = target[state.tool_axis]
                 self.motion.straight(lifted, named, rapid)
@@ -233,11 +230,11 @@ class Approaches:
         """LEN and R [m], CCA [rad]."""
         found = {}
         for name in NEEDS[form]:
-            given: Value | None = words.others.get(name)
-            if given is None:
+            length: Value | None = words.others.get(name)
+            if length is None:
                 raise BlockError(f"{name} is missing: {form} takes {' and '.join(NEEDS[form])}")
-            value = self.circles.limited(evaluate(given)) * (DEGREE if name == "CCA" else self.state.unit)
-            if abs(value) < SAME or (name == "CCA" and not 0.0 < value < 2.0 * math.pi):
+            value = self.circles.limited(evaluate(length)) * (DEGREE if name == "CCA" else self.state.unit)
+            if abs(value) < ROUNDING or (name == "CCA" and not 0.0 < value < 2.0 * math.pi):
                 raise BlockError(f"{name} of {form} is none that can be: correct it")
             found[name] = value
         return found

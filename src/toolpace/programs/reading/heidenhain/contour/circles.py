@@ -1,25 +1,41 @@
-"""Arcs: CC, C, CR, CT."""
+"""Arcs and polar blocks: CC, C, CR, CT, LP, CP, CTP."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from toolpace.common.units import MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.programs.reading.arcs import (
+    PLANE_ACROSS,
+    ROUNDING,
+    SPIRAL_SAID,
+    Arc,
+    Tolerance,
+    arc_about,
+    centre_of_radius,
+    plane_arc,
+    tangent_centre,
+)
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.curves.arcs import SPIRAL_SAID, Arc, Tolerance, centre_of_radius, plane_arc
-from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
 from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import ARC_PLANE, OF_AXIS, State
+from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""
-SAME = 1e-9
-"""Coordinates closer than this [m] are one."""
 
 SHORT = "a CR whose R is shorter than half the way to its end, within what the control allows, is half a circle"
 POLE_STAYS = "a CC before a change of coordinates keeps the figures that it was written with, in the new ones"
+MOST_TURNS = 15.0
+"""Of one helix: 5400 degrees are the most that the control takes."""
+FROM_HERE = (
+    "a polar block behind another motion or CC, without PR or PA or with incremental ones, takes the distance and the "
+    "angle of the place where the tool is"
+)
+POLAR = ("PR", "IPR", "PA", "IPA")
 
 
 class Circles:
@@ -84,7 +100,7 @@ class Circles:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
             axis = self.across(target)
-            start, pole, plane = self.control.words, self.state.pole, ARC_PLANE[axis]
+            start, pole, plane = self.control.words, self.state.pole, PLANE_ACROSS[axis]
             self.arc(plane_arc(start, target, pole, plane, sense < 0, tolerance=self.radii), target, named, rapid)
 
         return run
@@ -94,13 +110,13 @@ class Circles:
         state, start, pole = self.state, self.control.words, self.state.pole
         if not state.pole_in_space:
             return self.pole_axis
-        shared = [k for k in range(3) if abs(start[k] - pole[k]) < SAME and abs(target[k] - pole[k]) < SAME]
-        level = abs(start[state.tool_axis] - target[state.tool_axis]) < SAME
+        shared = [k for k in range(3) if abs(start[k] - pole[k]) < ROUNDING and abs(target[k] - pole[k]) < ROUNDING]
+        level = abs(start[state.tool_axis] - target[state.tool_axis]) < ROUNDING
         if not shared and level:
             return state.tool_axis  # an ordinary arc again: its CC names the plane alone
         if len(shared) > 1 and state.came_from and self.control.moved_in == self.control.placement:
             # the centre stands between both ends: the motion before tells the plane, which it lies in
-            shared = [k for k in shared if abs(start[k] - state.came_from[k]) < SAME]
+            shared = [k for k in shared if abs(start[k] - state.came_from[k]) < ROUNDING]
         if len(shared) != 1:
             raise BlockError("CC of three coordinates: start, centre and end do not share just one of X, Y, Z")
         return shared[0]
@@ -109,15 +125,15 @@ class Circles:
         """CR: to a point with a radius; a negative one asks for the longer way."""
         axes = self.motion.resolved(words)
         self.motion.only(words, "CR", ("R",))
-        sense, given = self.sense(words), words.others.get("R")
-        if given is None:
+        sense, size = self.sense(words), words.others.get("R")
+        if size is None:
             raise BlockError("CR needs its radius R: write one")
 
         def run() -> None:
             rapid = self.begin(words)
             target, named = self.motion.target(axes)
-            start, plane = self.control.words, ARC_PLANE[self.state.tool_axis]
-            radius = self.limited(evaluate(given)) * self.state.unit
+            start, plane = self.control.words, PLANE_ACROSS[self.state.tool_axis]
+            radius = self.limited(evaluate(size)) * self.state.unit
             first, second = OF_AXIS[self.state.tool_axis]
             half = 0.5 * math.hypot(target[first] - start[first], target[second] - start[second])
             if half - abs(radius) > SPIRAL_SAID:
@@ -145,39 +161,32 @@ class Circles:
         first, second = OF_AXIS[self.state.tool_axis]
         if self.control.moved_in != self.control.placement:
             cure = "write C or CR: whether the control keeps the direction of the element before is not known here"
-            self.control.findings.refused("a tangent arc behind a change of coordinates", self.control.line, cure)
+            self.control.refuse("a tangent arc behind a change of coordinates", cure)
             self.motion.straight(target, named, rapid)
             return
         u, v = self.direction()
         du, dv = target[first] - start[first], target[second] - start[second]
-        aside = u * dv - v * du  # how far the end lies to the left
-        chord = math.hypot(du, dv)
-        if abs(aside) < max(SAME, 1e-9 * chord):
+        plane = PLANE_ACROSS[self.state.tool_axis]
+        found = tangent_centre(start, target, (u, v), plane, ROUNDING)
+        if found is None:
             if du * u + dv * v < 0.0:
                 raise BlockError("the end of a tangent arc lies straight behind its start: write C or CR")
             self.motion.straight(target, named, rapid)
             return
-        radius = chord * chord / (2.0 * aside)
-        centre = list(start[:3])
-        centre[first] -= v * radius
-        centre[second] += u * radius
-        plane = ARC_PLANE[self.state.tool_axis]
-        self.arc(plane_arc(start, target, centre, plane, radius < 0.0), target, named, rapid)
+        self.arc(plane_arc(start, target, found[0], plane, found[1]), target, named, rapid)
 
     def direction(self) -> tuple[float, float]:
         """Unit vector in the plane in which the last motion ended. Raises BlockError."""
         state, first_second = self.state, OF_AXIS[self.state.tool_axis]
         arc = state.came_by
+        ended: Sequence[float] = (0.0, 0.0, 0.0)
         if arc is not None:
-            c, s = math.cos(arc.sweep), math.sin(arc.sweep)
-            ended = [c * b - s * a for a, b in zip(arc.u, arc.w)]
+            ended = arc.last_direction()
         elif state.came_from:
             ended = [a - b for a, b in zip(self.control.words[:3], state.came_from)]
-        else:
-            ended = [0.0, 0.0, 0.0]
         u, v = (ended[k] for k in first_second)
         length = math.hypot(u, v)
-        if length < SAME:
+        if length < ROUNDING:
             raise BlockError("a tangent arc needs an element before it that moves in its plane")
         return u / length, v / length
 
@@ -188,8 +197,8 @@ class Circles:
 
     def arc(self, arc: Arc, target: list[float], named: int, rapid: bool) -> None:
         """Move along it."""
-        self.motion.refuse_corner()
-        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > SAME)
+        self.motion.corners.refuse()
+        first, second = (k for k in range(3) if abs(arc.u[k]) + abs(arc.w[k]) > ROUNDING)
         self.motion.need_even_scale(first, second)
         self.motion.contour_begins(list(arc.w))
         before = self.control.words
@@ -209,3 +218,101 @@ class Circles:
         if not abs(value) <= LARGEST:
             raise BlockError(f"{value:.6g} is beyond any machine: check its figures")
         return value
+
+
+class Polar:
+    """Points by radius and angle about the pole."""
+
+    def __init__(self, circles: Circles) -> None:
+        self.circles = circles
+        self.control, self.state, self.motion = circles.control, circles.state, circles.motion
+
+    def polar_line(self, words: PathWords) -> Step:
+        """LP: straight to a polar point."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "LP", POLAR)
+
+        def run() -> None:
+            self.circles.need_pole()
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes)
+            self.motion.straight(target, named, rapid)
+
+        return run
+
+    def polar_arc(self, words: PathWords) -> Step:
+        """CP: about the pole to an angle; with IPA over several turns, and with Z a helix."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CP", ("PA", "IPA"))
+        by = words.others.get("IPA")
+        if by is None and "PA" not in words.others:
+            raise BlockError("CP needs the angle of its end: write PA or IPA")
+
+        def run() -> None:
+            self.circles.need_pole()
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes, arc=True)
+            turned = 0.0 if by is None else self.circles.limited(evaluate(by)) * DEGREE
+            sense = words.sense or (int(math.copysign(1, turned)) if turned else 0)
+            if by is not None and not turned:
+                raise BlockError("IPA of CP is zero: write its angle, of a full circle 360")
+            if not sense:
+                raise BlockError("CP needs its sense: write DR+ or DR-")
+            if turned * sense < 0.0:
+                raise BlockError("IPA and DR of CP have different signs: correct one")
+            if abs(turned) > MOST_TURNS * 2.0 * math.pi + ROUNDING:
+                raise BlockError("IPA is more than 5400 degrees: divide the helix")
+            axis = self.circles.pole_axis
+            normal = [float(sense) if k == axis else 0.0 for k in range(3)]
+            made = arc_about(self.control.words, target, self.state.pole, normal, tolerance=self.circles.radii)
+            if turned:
+                made = made._replace(sweep=abs(turned))
+            self.circles.arc(made, target, named, rapid)
+
+        return run
+
+    def polar_tangent(self, words: PathWords) -> Step:
+        """CTP: tangent arc to a polar point."""
+        axes = self.motion.resolved(words)
+        self.motion.only(words, "CTP", POLAR)
+
+        def run() -> None:
+            self.circles.need_pole()
+            if self.circles.pole_axis != self.state.tool_axis:
+                raise BlockError("CTP is read in the plane across the tool only: write CP or C here")
+            rapid = self.circles.begin(words)
+            target, named = self.polar(words, axes)
+            self.circles.along_tangent(target, named, rapid)
+
+        return run
+
+    def polar(self, words: PathWords, axes: list[Axis], *, arc: bool = False) -> tuple[list[float], int]:
+        """Words (3 + rotary) of a polar point, the end of an arc about the pole or not: what is not given stays as it
+        is here. Raises BlockError."""
+        target, named = self.motion.target(axes)
+        state, others = self.state, words.others
+        if others.keys() >= {"PA", "IPA"} or others.keys() >= {"PR", "IPR"}:
+            raise BlockError("a polar block has PA or IPA, and PR or IPR: remove one")
+        first, second = OF_AXIS[self.circles.pole_axis]
+        if named & (1 << first | 1 << second):
+            raise BlockError("a polar block takes the coordinate across its plane beside PR and PA only")
+        du = self.control.words[first] - state.pole[first]
+        dv = self.control.words[second] - state.pole[second]
+        radius, angle = math.hypot(du, dv), math.atan2(dv, du)
+        here = [self.control.words[first], self.control.words[second], state.pole[first], state.pole[second]]
+        if "PA" not in others and radius < ROUNDING:
+            raise BlockError("from the pole itself a polar block needs the angle of its end: write PA")
+        if not arc and here != state.polar_end and not others.keys() >= {"PR", "PA"}:
+            self.control.findings.assumed(FROM_HERE)
+        if "PR" in others:
+            radius = self.circles.limited(evaluate(others["PR"])) * state.unit
+        elif "IPR" in others:
+            radius += self.circles.limited(evaluate(others["IPR"])) * state.unit
+        if "PA" in others:
+            angle = self.circles.limited(evaluate(others["PA"])) * DEGREE
+        elif "IPA" in others:
+            angle += self.circles.limited(evaluate(others["IPA"])) * DEGREE
+        target[first] = state.pole[first] + radius * math.cos(angle)
+        target[second] = state.pole[second] + radius * math.sin(angle)
+        state.polar_end = [target[first], target[second], *here[2:]]
+        return target, named | 1 << first | 1 << second

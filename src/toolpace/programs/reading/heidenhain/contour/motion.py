@@ -1,4 +1,4 @@
-"""Straight blocks: L."""
+"""Straight blocks L, their feed, and the compensation of the tool's radius: R0, RL, RR."""
 
 from __future__ import annotations
 
@@ -8,19 +8,30 @@ from dataclasses import replace
 from typing import Protocol
 
 from toolpace.common.units import DEGREE, MINUTE
+from toolpace.programs.reading.arcs import PLANE_ACROSS
+from toolpace.programs.reading.compensation.following import Follower, follow, leave
+from toolpace.programs.reading.compensation.stage import ACROSS, ARC, Rules
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.corners import ROUND, Corners
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
-from toolpace.programs.reading.control.joint_moves import turn_joints
-from toolpace.programs.reading.control.tool_axis import direction_on_part, rotary_for
+from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for, turn_joints
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.orientation import near
-from toolpace.programs.reading.heidenhain.contour.compensation import Compensation
+from toolpace.programs.reading.coordinates.kinematics import near
 from toolpace.programs.reading.heidenhain.frames import Frames, spatial
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
 from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST, BlockError
 from toolpace.programs.reading.heidenhain.klartext.words import PathWords
-from toolpace.programs.reading.heidenhain.state import State
+from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 
+LENGTHENED = {"R+": 1.0, "R-": -1.0}
+"""What makes the way of one axis longer or shorter by the tool's radius."""
+UNKNOWN = (
+    "the tool's radius is not known: write it on the set-up sheet ([tools.N] radius), give --compensation program "
+    "where the contour is the tool's centre, or write R0"
+)
+RULES = Rules(ARC, ACROSS, most_idle=2, gouge="the control stops with an error")
+"""TNC 640, Klartext, "Tool radius compensation": an arc at outside corners, the ways' intersection at inside ones, and
+across the contour at its ends; how many blocks across the plane it looks over is not said."""
 Step = Callable[[], None]
 Axis = tuple[int, bool, Value, float]
 """Column of the words, whether incremental, value, and its unit [m or rad]."""
@@ -35,6 +46,7 @@ NOT_TURNED = (
     "a block moves X, Y or Z in a tilted plane that the rotary axes are not turned to, without M128: its words are the "
     "tip in the plane all the same"
 )
+OF_CORNERS = "write it as L and CR blocks: it is read between two straight lines in the plane of the tool axis"
 OTHER_FEEDS = {
     "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
@@ -42,14 +54,67 @@ OTHER_FEEDS = {
 }
 
 
-class CornerLayer(Protocol):
-    """What a motion asks of `corners`."""
+class Compensation:
+    """Begins and ends compensation as the words of blocks say."""
 
-    def lay(self, target: list[float]) -> None:
-        """Lay the corner before the straight way to the target begins."""
+    def __init__(self, control: Control, state: State, as_programmed: bool, approach_waits: Callable[[], bool]) -> None:
+        """as_programmed: whether the contour is the way. approach_waits: whether APPR waits for its contour."""
+        self.control, self.state = control, state
+        self.as_programmed, self.approach_waits = as_programmed, approach_waits
 
-    def refuse(self) -> None:
-        """Note that the corner at hand is not read."""
+    @property
+    def follower(self) -> Follower | None:
+        """What goes beside the contour now."""
+        stage = self.control.stage
+        return stage if isinstance(stage, Follower) else None
+
+    def take(self, side: str) -> None:
+        """R0, RL, RR, or none. Raises BlockError."""
+        follower = self.follower
+        if side in LENGTHENED:
+            raise BlockError(f"{side} belongs to a block of one axis, like X+50 {side}: write RL or RR here")
+        before, self.state.side = self.state.side, side or self.state.side
+        if side in ("", "R0"):
+            if side and follower is not None:
+                leave(follower)
+                self.state.looks_ahead = 0
+        elif follower is not None:
+            if before != side:
+                raise BlockError(f"{side} changes the side of the tool while it compensates: write R0 before it")
+        elif not self.approach_waits() and (radius := self.radius()):
+            self.begin(radius)
+
+    def radius(self) -> float:
+        """How far beside the contour the centre goes [m]. Raises BlockError."""
+        return 0.0 if self.state.side == "R0" else self.of_tool(self.state.side)
+
+    def of_tool(self, side: str) -> float:
+        """Radius of the tool in the spindle, with DR, for a word that compensates it [m]. Raises BlockError."""
+        control = self.control
+        if self.as_programmed:
+            control.findings.assumed(f"{side}: the programmed contour is the way of the tool's centre")
+            return 0.0
+        tool = control.setup.tool(control.tool)
+        if tool is None or tool.radius is None:
+            control.refuse(side, UNKNOWN)
+            return 0.0
+        found = tool.radius + self.state.radius_oversize
+        if found < 0.0:
+            raise BlockError(f"the radius of the tool and DR come to {found * 1e3:.6g} mm: correct them")
+        return found
+
+    def begin(self, radius: float) -> None:
+        """Go beside the contour from here on."""
+        side = 1 if self.state.side == "RL" else -1
+        rules = replace(RULES, looks_ahead=self.state.looks_ahead)
+        follow(self.control, side, radius, PLANE_ACROSS[self.state.tool_axis], rules)
+
+    def look_ahead(self, elements: Value | None) -> None:
+        """M120 with LA: loops of the way are left out; without it, or with 0, they are not."""
+        self.control.findings.ignored("M120")
+        self.state.looks_ahead = 0 if elements is None else int(evaluate(elements))
+        if self.follower is not None:
+            self.follower.rules = replace(self.follower.rules, looks_ahead=self.state.looks_ahead)
 
 
 class ApproachLayer(Protocol):
@@ -72,8 +137,7 @@ class Motion:
     def __init__(self, control: Control, state: State, frames: Frames, follow_contour: bool) -> None:
         self.control, self.state, self.frames = control, state, frames
         self.compensation = Compensation(control, state, follow_contour, self.approach_waits)
-        self.corners: CornerLayer | None = None
-        """What lays a corner before the line behind it."""
+        self.corners = Corners(control, OF_CORNERS, refuses_empty=True)
         self.approaches: ApproachLayer | None = None
         """What lays an approach before the contour behind it."""
         self.seen_upright: tuple[float, ...] | None = None
@@ -132,7 +196,7 @@ class Motion:
         if not word or word == "FMAX":
             return word == "FMAX"
         if word in OTHER_FEEDS:
-            self.control.findings.refused(word, self.control.line, OTHER_FEEDS[word])
+            self.control.refuse(word, OTHER_FEEDS[word])
             return False
         if word == "FAUTO":
             self.feed(self.automatic())
@@ -195,15 +259,15 @@ class Motion:
 
     def rotary_of_angles(self, angles: Sequence[tuple[str, bool, Value]]) -> list[float]:
         """Rotary words of spatial angles; one that the block leaves out is that of the last. Raises BlockError."""
-        told = list(self.state.spatial_angles)
+        spatial_angles = list(self.state.spatial_angles)
         for letter, incremental, value in angles:
             figure = (value if isinstance(value, float) else value()) * DEGREE
-            before = told["ABC".index(letter)] if incremental else 0.0
-            told["ABC".index(letter)] = None if before is None else before + figure
-        self.state.spatial_angles = told
-        a, b, c = told
+            before = spatial_angles["ABC".index(letter)] if incremental else 0.0
+            spatial_angles["ABC".index(letter)] = None if before is None else before + figure
+        self.state.spatial_angles = spatial_angles
+        a, b, c = spatial_angles
         if a is None or b is None or c is None:
-            missing = ", ".join(letter for letter, angle in zip("ABC", told) if angle is None)
+            missing = ", ".join(letter for letter, angle in zip("ABC", spatial_angles) if angle is None)
             raise BlockError(
                 f"under AXIS SPAT the block tells no {missing}, and the tool did not stand upright where TCPM was "
                 "switched on: write A, B and C in the first block that turns"
@@ -215,11 +279,12 @@ class Motion:
         """Move straight, and remember from where."""
         control, state = self.control, self.state
         self.contour_begins([target[k] - control.words[k] for k in range(3)])
-        if state.corner is not None:
-            if rapid or self.corners is None:
-                self.refuse_corner()
-            else:
-                self.corners.lay(target)
+        if rapid:
+            self.corners.refuse()
+        elif self.corners.waiting is not None:
+            if self.corners.waiting.kind == ROUND:
+                self.need_even_scale(*OF_AXIS[state.tool_axis])
+            self.corners.before(target, PLANE_ACROSS[state.tool_axis])
         if self.frames.plane is not None and not state.tip_mode:
             self.say_where_not_turned(target)
         before = control.words
@@ -229,6 +294,7 @@ class Motion:
     def approach_waits(self) -> bool:
         """Whether an approach waits for its contour."""
         return self.approaches is not None and self.approaches.waiting is not None
+
     def say_where_not_turned(self, target: list[float]) -> None:
         """Say what is assumed where the tool does not stand upright on the plane at the end of a block."""
         control, at = self.control, tuple(target[3:])
@@ -243,11 +309,6 @@ class Motion:
         """A motion in this direction (3,) comes next."""
         if self.approaches is not None and self.approach_waits():
             self.approaches.lay(way)
-
-    def refuse_corner(self) -> None:
-        """A corner that waits for a straight line, before a motion that is none."""
-        if self.state.corner is not None and self.corners is not None:
-            self.corners.refuse()
 
     def turning(self, target: list[float], named: int, rapid: bool) -> None:
         """A block that turns, in a tilted plane."""

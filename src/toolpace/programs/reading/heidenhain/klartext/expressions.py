@@ -1,4 +1,4 @@
-"""Formulas of Q parameters, compiled to functions (Pratt 1973).
+"""Formulas of Q parameters: operators and functions of Klartext, and how it writes them.
 
 Angles are in degrees. `^` in a chain, or behind a sign or a function without brackets, is refused: the manuals do not
 say which goes first.
@@ -9,23 +9,25 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, number
+from toolpace.common.units import DEGREE
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, number
+from toolpace.programs.reading.language import expressions
+from toolpace.programs.reading.language.expressions import (
+    BlockError,
+    TextParser,
+    checked,
+    divided,
+    power,
+    remainder,
+)
 
 Thunk = Callable[[], float]
 Value = float | Thunk
 """A number, or what gives it where it is executed."""
-
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>[0-9]+[.,]?[0-9]*|[.,][0-9]+)|(?P<name>Q[LR]?[0-9]+)|(?P<operator>[-+*/^%()])"
-    r"|(?P<word>[A-Z]+?(?=Q[LR]?[0-9]|[^A-Z]|$)))"
-)
-DEEPEST = 60
-"""Brackets and functions within each other."""
-LONGEST = 200
-"""Operators of one formula."""
-DEGREE = math.pi / 180.0
+Node: TypeAlias = "float | Callable[[Parameters], float]"
 
 
 def _sine(x: float) -> float:
@@ -33,57 +35,53 @@ def _sine(x: float) -> float:
     return float((0, 1, 0, -1)[int(x // 90.0) % 4]) if x % 90.0 == 0.0 else math.sin(x * DEGREE)
 
 
-FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "SQ": lambda x: x * x,
-    "SQRT": math.sqrt,
-    "SIN": _sine,
-    "COS": lambda x: _sine(x + 90.0) if x % 90.0 == 0.0 else math.cos(x * DEGREE),
-    "TAN": lambda x: math.tan(x * DEGREE),
-    "ASIN": lambda x: math.asin(x) / DEGREE,
-    "ACOS": lambda x: math.acos(x) / DEGREE,
-    "ATAN": lambda x: math.atan(x) / DEGREE,
-    "LN": math.log,
-    "LOG": math.log10,
-    "EXP": math.exp,
-    "NEG": operator.neg,
-    "INT": math.trunc,
-    "ABS": abs,
-    "FRAC": lambda x: x - math.trunc(x),
-    "SGN": lambda x: float((x > 0.0) - (x < 0.0)),
+FUNCTIONS = {
+    **expressions.FUNCTIONS,
+    **{
+        name: (1, checked(name, function))
+        for name, function in {
+            "SQ": lambda x: x * x,
+            "SIN": _sine,
+            "COS": lambda x: _sine(x + 90.0) if x % 90.0 == 0.0 else math.cos(x * DEGREE),
+            "LOG": math.log10,
+            "NEG": operator.neg,
+            "INT": lambda x: float(math.trunc(x)),
+            "FRAC": lambda x: x - math.trunc(x),
+            "SGN": lambda x: float((x > 0.0) - (x < 0.0)),
+        }.items()
+    },
 }
-
-
-def _power(a: float, b: float) -> float:
-    return math.pow(a, b)
-
-
-def _angle(a: float, b: float) -> float:
-    return math.atan2(a, b) / DEGREE % 360.0
-
-
-BINARY: dict[str, tuple[int, Callable[[float, float], float]]] = {
+OPERATORS: Mapping[str, tuple[int, Callable[[float, float], float]]] = {
     "LEN": (1, math.hypot),
-    "ANG": (1, _angle),
+    "ANG": (1, lambda a, b: math.atan2(a, b) / DEGREE % 360.0),
     "+": (2, operator.add),
     "-": (2, operator.sub),
     "*": (3, operator.mul),
-    "/": (3, operator.truediv),
-    "DIV": (3, operator.truediv),
-    "%": (3, math.fmod),
-    "^": (5, _power),
+    "/": (3, divided),
+    "DIV": (3, divided),
+    "%": (3, remainder),
+    "^": (5, power),
 }
-"""Operators with what binds tighter; LEN, ANG and DIV are those of FN 8, FN 13 and FN 4."""
-PREFIX = 5
-"""A sign or a function goes before all operators."""
+"""LEN, ANG and DIV are those of FN 8, FN 13 and FN 4."""
 
 
 def formula(text: str, parameters: Parameters) -> Value:
     """A formula as a number, or as a function of none. Raises BlockError; so does the function, and UnsetError."""
-    try:
-        made = _Parser(text, parameters).whole()
-        return made if isinstance(made, float) else _guarded(made, text)
-    except (ArithmeticError, ValueError) as error:
-        raise BlockError(f"the formula {text.strip()[:40]} has no value ({error})") from None
+    parser = _Parser(text)
+    made = parser.expression()
+    if parser.at < len(text) and text[parser.at :].strip():
+        raise BlockError(f"{parser.found()} stands where the formula should end: check its brackets and spelling")
+    if isinstance(made, float):
+        return made
+    value = made
+
+    def run() -> float:
+        found = value(parameters)
+        if not math.isfinite(found):
+            raise BlockError(f"the formula {text.strip()[:40]} grows without end: check its figures")
+        return found
+
+    return run
 
 
 def evaluate(value: Value) -> float:
@@ -91,100 +89,25 @@ def evaluate(value: Value) -> float:
     return value if isinstance(value, float) else value()
 
 
-def _guarded(thunk: Thunk, text: str) -> Thunk:
-    def run() -> float:
-        try:
-            value = thunk()
-        except (ArithmeticError, ValueError) as error:
-            raise BlockError(f"the formula {text.strip()[:40]} has no value ({error})") from None
-        if not math.isfinite(value):
-            raise BlockError(f"the formula {text.strip()[:40]} grows without end: check its figures")
-        return value
+class _Parser(TextParser[Node]):
+    token = re.compile(
+        r"\s*(?:(?P<number>[0-9]+[.,]?[0-9]*|[.,][0-9]+)|(?P<name>Q[LR]?[0-9]+)|(?P<mark>[-+*/^%()])"
+        r"|(?P<word>[A-Z]+?(?=Q[LR]?[0-9]|[^A-Z]|$)))"
+    )
+    operators, functions, bracketed = OPERATORS, FUNCTIONS, frozenset("^")
+    longest = 200
+    cure = "write a number, a Q parameter or a function"
 
-    return run
-
-
-class _Parser:
-    def __init__(self, text: str, parameters: Parameters) -> None:
-        self.text, self.parameters = text, parameters
-        self.at = 0
-        self.depth, self.operators = 0, 0
-        self.kind, self.token = "", ""
-        self.step()
-
-    def step(self) -> str:
-        """Go to the next token; returns the one left."""
-        left = self.token
-        found = _TOKEN.match(self.text, self.at)
-        if found is None:
-            rest = self.text[self.at :].strip()
-            if rest:
-                raise BlockError(f"{rest[:20]} is not read in a formula: check its spelling")
-            self.kind, self.token = "end", ""
-        else:
-            self.kind, self.token, self.at = str(found.lastgroup), found[str(found.lastgroup)], found.end()
-        return left
-
-    def whole(self) -> Value:
-        made, _ = self.expression(0)
-        if self.kind != "end":
-            raise BlockError(f"{self.token} stands where the formula should end: check its brackets")
-        return made
-
-    def expression(self, least: int) -> tuple[Value, bool]:
-        """What binds tighter than `least`; and whether a sign, a function or `^` is its outermost part."""
-        self.depth += 1
-        if self.depth > DEEPEST:
-            raise BlockError(f"more than {DEEPEST} brackets and functions within each other: divide the formula")
-        left, open_ended = self.operand()
-        while self.kind != "end" and self.token in BINARY and BINARY[self.token][0] > least:
-            sign = self.step()
-            self.operators += 1
-            if self.operators > LONGEST:
-                raise BlockError(f"more than {LONGEST} operators in one formula: divide it")
-            binding, function = BINARY[sign]
-            if sign == "^" and open_ended:
-                raise BlockError("^ needs brackets here: which part goes first is not said")
-            right, _ = self.expression(binding)
-            left, open_ended = _joined(function, left, right), sign == "^"
-        self.depth -= 1
-        return left, open_ended
-
-    def operand(self) -> tuple[Value, bool]:
-        kind, token = self.kind, self.step()
+    def operand(self) -> Node:
+        """A number, a parameter, or a function of what stands behind its name."""
+        kind, symbol = self.kind, self.symbol
         if kind == "number":
-            return number(token), False
+            self.step()
+            return number(symbol)
         if kind == "name":
-            get = self.parameters.get
-            return (lambda: get(token)), False
-        if token == "(":
-            inner, _ = self.expression(0)
-            if self.step() != ")":
-                raise BlockError("a bracket is not closed: write )")
-            return inner, False
-        if token == "PI":
-            return math.pi, False
-        if token in "+-" and kind == "operator":
-            inner, _ = self.expression(PREFIX)
-            return (_applied(operator.neg, inner) if token == "-" else inner), True
-        if token in FUNCTIONS:
-            inner, _ = self.expression(PREFIX)
-            return _applied(FUNCTIONS[token], inner), True
-        shown = f"'{token}'" if token else "nothing"
-        raise BlockError(f"{shown} stands where a number, Q parameter or function should: check the formula")
-
-
-def _applied(function: Callable[[float], float], inner: Value) -> Value:
-    if isinstance(inner, float):
-        return float(function(inner))
-    return lambda: function(inner())
-
-
-def _joined(function: Callable[[float, float], float], left: Value, right: Value) -> Value:
-    if isinstance(left, float):
-        if isinstance(right, float):
-            return float(function(left, right))
-        return lambda: function(left, right())
-    if isinstance(right, float):
-        return lambda: function(left(), right)
-    return lambda: function(left(), right())
+            self.step()
+            return lambda parameters: parameters.get(symbol)
+        if symbol != "PI" and symbol not in self.functions:
+            raise self.missing()
+        self.step()
+        return math.pi if symbol == "PI" else self.call(symbol, [self.value()])

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from toolpace.programs.reading.language.expressions import BlockError as BlockError
+
 LARGEST = 1e9
 """Beyond which a value is a slip: no machine travels so far."""
 
 MOST = {"Q": 1999, "QL": 499, "QR": 499}
 """Highest number of a parameter of each kind (TNC 640 Klartext, "Q parameters", "Overview of functions")."""
-
-
-class BlockError(Exception):
-    """A block that cannot be executed; the message says why and what to write."""
 
 
 class UnsetError(Exception):

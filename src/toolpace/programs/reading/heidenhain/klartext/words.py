@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass, field
 
 from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import BlockError, Parameters, number
+from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, number
+from toolpace.programs.reading.language.expressions import BlockError
 
 VALUE = r"[-+]?(?:[0-9]++[.,]?[0-9]*+|[.,][0-9]++|Q[LR]?[0-9]++)"
 _WORD = re.compile(

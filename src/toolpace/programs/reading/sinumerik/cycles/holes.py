@@ -6,12 +6,18 @@ import math
 from collections.abc import Callable, Sequence
 
 from toolpace.common.units import MILLIMETRE, MINUTE
+from toolpace.programs.reading.arcs import PLANE_ACROSS, PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.sinumerik.cycles.along import Along, Levels
-from toolpace.programs.reading.sinumerik.cycles.strokes import stop_distance, strokes_by_factor, strokes_of
-from toolpace.programs.reading.sinumerik.cycles.taps import pitch_of
+from toolpace.programs.reading.sinumerik.cycles.strokes import (
+    Along,
+    Levels,
+    stop_distance,
+    strokes_by_factor,
+    strokes_of,
+)
+from toolpace.programs.reading.sinumerik.cycles.threads import pitch_of
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Arguments
@@ -48,7 +54,7 @@ class Holes:
     @property
     def axis(self) -> int:
         """Of X, Y, Z, the one along which the tool works."""
-        return (2, 1, 0)[self.state.plane]
+        return PLANE_ACROSS[self.state.plane]
 
     def perform(self, name: str, values: list[Value | None]) -> None:
         """One cycle where the tool stands. Raises ValueFault, Unread."""
@@ -112,14 +118,14 @@ class Holes:
     def _along(self, levels: Levels) -> Along:
         return Along(self.control, self.state, self.axis, levels)
 
-    def _dwell(self, given: float) -> float:
+    def _dwell(self, time: float) -> float:
         """Seconds of a dwell; negative values are turns of the spindle."""
-        if given >= 0.0:
-            return given
+        if time >= 0.0:
+            return time
         spindle = self.control.feed.spindle
         if spindle <= 0.0:
             raise ValueFault(f"{self.name} dwells for turns of the spindle: write S before it")
-        return -given / spindle
+        return -time / spindle
 
     def _hole(self, levels: Levels) -> Drilling:
         return Drilling(levels.top, levels.bottom, levels.back, axis=self.axis)
@@ -187,7 +193,7 @@ class Holes:
     def _bore(self, arguments: Arguments, levels: Levels) -> None:
         """CYCLE86: at the bottom the spindle is oriented, and the bar lifted off by RPA, RPO, RPAP."""
         unit = self.state.unit
-        first, second = ((0, 1), (2, 0), (1, 2))[self.state.plane]
+        first, second = PLANE_AXES[self.state.plane]
         off = [0.0, 0.0, 0.0]
         off[first], off[second] = arguments.number(7) * unit, arguments.number(8) * unit
         off[self.axis] = arguments.number(9) * unit
@@ -237,12 +243,12 @@ class Holes:
         strokes = self._tapping_strokes(arguments, levels)
         self._tap(levels, pitch * speed / MINUTE, pitch * back / MINUTE, self._dwell(arguments.number(5)), strokes)
 
-    def _spindle(self, arguments: Arguments, place: int, known: tuple[int, ...], name: str) -> None:
+    def _spindle(self, arguments: Arguments, place: int, allowed: tuple[int, ...], name: str) -> None:
         """Tolerate a direction of the spindle that is none: it moves nothing."""
-        if arguments.code(place) not in known:
+        if arguments.code(place) not in allowed:
             self._tolerate(
                 f"{name} {arguments.code(place)}",
-                f"alarm 61102: write {' or '.join(map(str, known))}",
+                f"alarm 61102: write {' or '.join(map(str, allowed))}",
                 f"{self.name} without a direction of the spindle ({name}) moves as with one",
             )
 

@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import PLANE_AXES
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.cycles import Place, laid_out, on_circle, on_grid
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
 from toolpace.programs.reading.sinumerik.word_values import Arguments
@@ -19,7 +21,7 @@ NEARER_END = "HOLES1 begins at the end of its row that is nearer to the tool (Pr
 def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
     """Words (3 + rotary) of the holes of a pattern, in their order; each as high as the one before was left."""
     arguments = Arguments(name, values, 16)
-    first, second = ((0, 1), (2, 0), (1, 2))[state.plane]
+    first, second = PLANE_AXES[state.plane]
     here = control.words[first] / state.unit, control.words[second] / state.unit
     if name == "HOLES1":
         points = _row(arguments)
@@ -45,7 +47,7 @@ def _count(arguments: Arguments, place: int) -> int:
     return count
 
 
-def _row(arguments: Arguments) -> list[tuple[float, float]]:
+def _row(arguments: Arguments) -> list[Place]:
     """SPCA, SPCO, STA1, FDIS, DBH, NUM: reference, angle, distance of the first, of the others, number."""
     a, b = arguments.number(0), arguments.number(1)
     angle, first, step = arguments.number(2) * DEGREE, arguments.number(3), arguments.number(4)
@@ -53,17 +55,17 @@ def _row(arguments: Arguments) -> list[tuple[float, float]]:
     return [(a + d * math.cos(angle), b + d * math.sin(angle)) for d in along]
 
 
-def _circle(arguments: Arguments) -> list[tuple[float, float]]:
+def _circle(arguments: Arguments) -> list[Place]:
     """CPA, CPO, RAD, STA1, INDA, NUM: centre, radius, first angle, step (0: evenly round), number."""
     a, b, radius = arguments.number(0), arguments.number(1), arguments.number(2)
     count = _count(arguments, 5)
     step = (arguments.number(4) or 360.0 / count) * DEGREE
     start = arguments.number(3) * DEGREE
     angles = [start + step * k for k in range(count)]
-    return [(a + radius * math.cos(angle), b + radius * math.sin(angle)) for angle in angles]
+    return on_circle(a, b, radius, angles)
 
 
-def _grid(arguments: Arguments, here: tuple[float, float]) -> list[tuple[float, float]]:
+def _grid(arguments: Arguments, here: Place) -> list[Place]:
     """SPCA, SPCO, STA, DIS1, DIS2, NUM1, NUM2: reference, angle, distances and numbers of columns and rows.
 
     As Siemens' own cycle: from the corner that is nearer to the tool `here`, along the shorter distance first, there
@@ -81,10 +83,10 @@ def _grid(arguments: Arguments, here: tuple[float, float]) -> list[tuple[float, 
     along = _nearer_first(columns, abs(arguments.number(3)), u * c + v * s)
     across = _nearer_first(rows, abs(arguments.number(4)), v * c - u * s)
     if abs(arguments.number(3)) <= abs(arguments.number(4)):
-        found = [(x, y) for k, y in enumerate(across) for x in along[:: -1 if k % 2 else 1]]
+        found = on_grid(along, across)
     else:
-        found = [(x, y) for k, x in enumerate(along) for y in across[:: -1 if k % 2 else 1]]
-    return [(a + x * c - y * s, b + x * s + y * c) for x, y in found]
+        found = [(x, y) for y, x in on_grid(across, along)]
+    return laid_out(found, a, b, angle)
 
 
 def _nearer_first(count: int, step: float, here: float) -> list[float]:

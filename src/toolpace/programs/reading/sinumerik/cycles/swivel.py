@@ -1,27 +1,56 @@
-"""CYCLE800: a swivelled plane, and the turn of the rotary axes."""
+"""CYCLE800: a swivelled plane from angles or positions of the rotary axes, and the turn of the axes to it."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.joint_moves import reference, turn_joints
-from toolpace.programs.reading.control.retract import retract
-from toolpace.programs.reading.control.tool_axis import plane_axis, turn_to_plane
+from toolpace.programs.reading.control.machine_moves import plane_axis, reference, retract, turn_joints, turn_to_plane
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
-from toolpace.programs.reading.sinumerik.cycles.direct_swivel import positions, turned_with_axes
 from toolpace.programs.reading.sinumerik.frames import Frames
+from toolpace.programs.reading.sinumerik.orientation import along
 from toolpace.programs.reading.sinumerik.state import State
-from toolpace.programs.reading.sinumerik.syntax import frame_functions
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, solid
 from toolpace.programs.reading.sinumerik.word_values import Arguments
 
+_ORDER = "the first rotary axis is the one that carries the other; with a head and a table, that of the head"
 SOLID, PROJECTION, DIRECT = 1, 2, 3
 """Kinds of swivelling in bits 7 and 6 of _MODE; 0: axis by axis."""
 PLANES_BEYOND_XY = (2, 3)
 """Of the ones of _DMODE: G18 and G19."""
+_CURE = "let the CAM system write the plane axis by axis (_MODE 57)"
+
+
+def in_order(control: Control) -> list[int]:
+    """Columns among the rotary joints, the first axis first: the second stands upon it, and on machines with a head
+    and a table the first is that of the head (Commissioning Manual, "CYCLE800 checklist"). Raises Unread.
+
+    Rotary joints are stored from the part to the tool: in a table the one that carries the other comes last.
+    """
+    poses = control.poses
+    if poses.machine is None or len(poses.rotary) != 2:
+        raise Unread("rotary axes by their number", "give the machine (--machine NAME), one with two rotary axes")
+    return [1, 0] if poses.carried([1.0, 0.0])[0] else [0, 1]
+
+
+def initial_rotary(control: Control, arguments: Arguments) -> list[float]:
+    """Rotary words [rad] of ORIRESET: positions of the machine in the order of its axes, zero where none is told."""
+    wanted = [control.datum.zero[3 + k] for k in range(len(control.poses.rotary))]
+    if any(arguments.number(place) for place in range(3)):
+        order = in_order(control)
+        carried = control.poses.carried([1.0, 1.0])
+        if arguments.number(2) or carried[0] != carried[1]:
+            raise Unread("ORIRESET with positions", "which axis is the first is not told: write A=, B= or C= with G0")
+        control.findings.assumed(_ORDER)
+        for place, column in enumerate(order):
+            wanted[column] += arguments.number(place) * DEGREE
+    shift = control.placement.shift or (0.0,) * len(wanted)
+    return [a - b for a, b in zip(wanted, shift)]
 
 
 def swivel(values: list[Value | None], control: Control, frames: Frames, state: State) -> None:
@@ -116,7 +145,7 @@ def _projected(named: list[int], angles: list[float], control: Control) -> Matri
         )
     control.findings.assumed("CYCLE800 with projection angles turns as ROTS does, then about the third axis")
     pair = {"XYZ"[axis]: angle / DEGREE for axis, angle in zip(named[:2], angles)}
-    return affine.product(frame_functions.solid(pair), affine.rotation(named[2], angles[2]))
+    return affine.product(solid(pair), affine.rotation(named[2], angles[2]))
 
 
 def _retract(arguments: Arguments, control: Control, state: State) -> None:
@@ -134,3 +163,49 @@ def _retract(arguments: Arguments, control: Control, state: State) -> None:
         retract(control, None if way == 4 else distance, rapid=True)
     elif way:
         raise Unread(f"CYCLE800 with _FR {way}", "it is 0, 1, 2, 4 or 5: correct it")
+
+
+def positions(arguments: Arguments, control: Control) -> list[float]:
+    """Rotary words [rad] of _A and _B, the positions of the first and the second rotary axis. Raises Unread."""
+    if control.placement.shift:
+        raise Unread("CYCLE800 with rotary axes given directly, which an offset shifts", _CURE)
+    if arguments.number(9):
+        raise Unread("CYCLE800 with a third rotary axis given directly (_C)", _CURE)
+    wanted = [0.0, 0.0]
+    for place, column in enumerate(in_order(control)):
+        wanted[column] = arguments.number(7 + place) * DEGREE
+    return wanted
+
+
+def turned_with_axes(rotary: list[float], control: Control) -> Matrix:
+    """The turn of coordinates whose Z is the tool at rotary positions [rad], and whose X and Y are the machine's.
+
+    "The tool axis is aligned in the Z direction. You can derive the resulting direction of the X and Y axis by
+    traversing the axes" (Operating Manual Milling, "Swiveling plane"). A head keeps X and Y where it turns about an
+    axis across the tool, as TOROT has them; else they are not told. Raises Unread.
+    """
+    poses = control.poses
+    carried = poses.carried(rotary)
+    table = poses.turn_of_part(carried)
+    of_head = [k for k, (a, b) in enumerate(zip(rotary, carried)) if a != b]
+    if not of_head:
+        turn = table
+    else:
+        if len(of_head) > 1 or not _across_tool(control, of_head[0]):
+            raise Unread("CYCLE800 with axes of a head given directly", f"X and Y there are not told: {_CURE}")
+        direction = table.T @ np.array(poses.axis(rotary))
+        turn = table @ np.array([row[:3] for row in along(direction.tolist())])
+    control.findings.assumed(
+        "CYCLE800 with rotary axes given directly (_MODE 192): X and Y of the plane are those of the machine there"
+    )
+    return IDENTITY if np.allclose(turn, np.eye(3), atol=1e-15) else affine.linear(turn.tolist())
+
+
+def _across_tool(control: Control, joint: int) -> bool:
+    """Whether a rotary joint of the head turns about an axis square to the tool: it carries the tool in a plane."""
+    found = []
+    for angle in (0.0, 0.7, 1.4):
+        alone = [0.0] * len(control.poses.rotary)
+        alone[joint] = angle
+        found.append(control.poses.axis(alone))
+    return abs(float(np.linalg.det(found))) < ROUNDING and math.dist(found[0], found[1]) > ROUNDING

@@ -1,23 +1,20 @@
-"""The execution of routines, block by block.
-
-Calls and repetitions are frames of one list, never Python's own stack: a program that calls itself without end is told
-by the number of its levels, and one that loops without end by the number of its blocks.
-"""
+"""The execution of routines, block by block."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
-from toolpace.programs.reading.sinumerik.flow.arguments import referred, values_of
-from toolpace.programs.reading.sinumerik.flow.jumps import Jumps
-from toolpace.programs.reading.sinumerik.flow.memory import Store
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.language.flow import CALL, MAIN, CallStack
+from toolpace.programs.reading.sinumerik.flow.jumps import DEEPEST, Frame, Jumps, times_of
+from toolpace.programs.reading.sinumerik.flow.memory import Store, Variable
 from toolpace.programs.reading.sinumerik.flow.routines import Library, Routine, StructureFault
-from toolpace.programs.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call, Flow
 from toolpace.programs.reading.sinumerik.syntax.expressions import Named
-from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, ValueFault, whole
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, whole
 from toolpace.programs.reading.source import Source
 
 SKIPPED = "/"
@@ -32,10 +29,10 @@ class Actions(Protocol):
         """A block of this line comes next."""
 
     def execute(self, block: Block) -> bool:
-        """Do what a block says; whether it programmed an axis of the path. Raises Unread, ValueFault."""
+        """Do what a block says; whether it programmed an axis of the path. Raises Unread, BlockError."""
 
     def perform(self, call: Call, arguments: list[Value | None]) -> bool:
-        """Do a cycle or a command with arguments; False where it is none. Raises Unread, ValueFault."""
+        """Do a cycle or a command with arguments; False where it is none. Raises Unread, BlockError."""
 
     modal: tuple[Call, list[Value | None]] | None
     """What MCALL asked for, with its arguments."""
@@ -63,40 +60,40 @@ class Interpreter:
     memory: Store
     block_delete: bool = True
     ended: bool = field(default=False, init=False)
-    stack: Stack = field(default_factory=Stack, init=False)
+    stack: CallStack[Frame] = field(init=False)
     jumps: Jumps = field(init=False)
 
     def __post_init__(self) -> None:
+        main = self.library.main
+        self.stack = CallStack(Frame(kind=MAIN, routine=main, end=len(main.lines)), DEEPEST)
         self.jumps = Jumps(self.stack, self.memory)
 
     def run(self) -> None:
         """Execute the main program."""
-        main = self.library.main
-        self.stack.append(Frame(main, 0, len(main.lines)))
-        self._check(main)
+        self._check(self.library.main)
         while self.stack:
             frame = self.stack[-1]
-            if frame.at >= frame.end:
-                self._leave(frame)
+            if frame.next >= frame.end:
+                self.stack.leave()
                 continue
-            index = frame.at
-            frame.at += 1
+            index = frame.next
+            frame.next += 1
             head, said = frame.routine.read(index)
             if not head.rest and not head.label:
                 continue
             if head.skip and head.rest[:1].isdigit():
                 self.source.fail(
-                    "levels of / are 0 to 9 (alarm 14060): correct it", frame.line or frame.routine.first + index
+                    "levels of / are 0 to 9 (alarm 14060): correct it", frame.called_at or frame.routine.first + index
                 )
             if head.skip and self.block_delete:
                 self.actions.ignored(SKIPPED)
                 continue
             block, self.memory.literals = said
-            line = frame.line or frame.routine.first + index
+            line = frame.called_at or frame.routine.first + index
             self.actions.begin(line)
             try:
                 if block.fault:
-                    raise ValueFault(block.fault)
+                    raise BlockError(block.fault)
                 if block.flow is None or block.flow.kind not in DECLARATIONS:
                     frame.begun = frame.begun or bool(head.rest)
                 elif frame.begun and block.flow.kind == "DEF":
@@ -106,14 +103,14 @@ class Interpreter:
                         self._call_of(block.flow)
                 elif self.actions.execute(block) and self.actions.modal is not None and not frame.modal:
                     self._modal_call()
-            except ValueFault as error:
+            except BlockError as error:
                 where = f"{frame.routine.file} line {index + 1}: " if frame.routine.file else ""
                 self.source.fail(where + str(error), line)
             except Unread as error:
                 self.actions.refuse(error.word, line, error.cure)
                 kind = "" if block.flow is None else block.flow.kind
                 if kind in ("IF", "WHILE", "FOR"):
-                    frame.at = frame.routine.partners[index] + 1  # what cannot be decided is left out
+                    frame.next = frame.routine.nesting.following[index] + 1  # what cannot be decided is left out
 
     def _check(self, routine: Routine, line: int = 0) -> None:
         """ProgramError where the choices and loops of a routine have no partners."""
@@ -127,22 +124,11 @@ class Interpreter:
         """Leave the subprogram at hand; of the main program all (M30, M17, RET)."""
         while self.stack:
             frame = self.stack[-1]
-            if frame.local is not None:
-                frame.at = frame.end  # a call with P may begin again
+            if frame.kind == CALL:
+                frame.next = frame.end  # a call with P may begin again
                 return
             self.stack.pop()
         self.ended = True
-
-    def _leave(self, frame: Frame) -> None:
-        frame.left -= 1
-        if frame.left > 0:
-            frame.at = frame.start
-            return
-        self.stack.pop()
-        if frame.local is not None:
-            self.memory.local = frame.local
-        if frame.restore is not None:
-            frame.restore()
 
     def _modal_call(self) -> None:
         assert self.actions.modal is not None
@@ -157,17 +143,18 @@ class Interpreter:
             raise Unread(
                 call.name, "it is no word that is read, and no subprogram of this file or beside it: add its file"
             )
-        times = 1 if call.times is None else times_of(whole(call.times(self.memory)), call.name)
-        if times:
-            outer = self.memory.local
-            line = self.stack[-1].line if self.stack else 0
-            if routine.file and not line:
-                line = self.stack[-1].routine.first + self.stack[-1].at - 1
-            self._check(routine, line)
-            inside = modal or any(frame.modal for frame in self.stack[-1:])
-            self.stack.push(Frame(routine, 0, len(routine.lines), 0, times, outer, None, inside, line))
-            self.memory.local = {}
-            self._bind(routine, call, arguments)
+        again = 0 if call.times is None else times_of(whole(call.times(self.memory)), call.name) - 1
+        caller = self.stack[-1] if self.stack else None  # MCALL behind the motion of a block with M30
+        line = 0 if caller is None else caller.called_at
+        if caller is not None and routine.file and not line:
+            line = caller.routine.first + caller.next - 1
+        self._check(routine, line)
+        frame = Frame(routine=routine, end=len(routine.lines), again=again, outer=self.memory.local, called_at=line)
+        frame.modal = modal or (caller is not None and caller.modal)
+        self.stack.enter(frame, routine.name)
+        frame.at_return.append(partial(setattr, self.memory, "local", frame.outer))
+        self.memory.local = {}
+        self._bind(routine, call, arguments)
 
     def _bind(self, routine: Routine, call: Call, arguments: list[Value | None]) -> None:
         """Give the parameters of PROC, which stands first in the routine, their values; those of VAR, the variables."""
@@ -181,21 +168,22 @@ class Interpreter:
         flow = said.block.flow
         if flow is None or flow.kind != "PROC":
             if arguments:
-                raise ValueFault(f"{routine.name} takes no arguments, it has no PROC with parameters: remove them")
+                raise BlockError(f"{routine.name} takes no arguments, it has no PROC with parameters: remove them")
             return
         names = flow.names
         if names[-1] == "SAVE" and len(names) % 2 == 0:
-            frame.restore, names = self.actions.saved(), names[:-1]
+            names = names[:-1]
+            frame.at_return.append(self.actions.saved())
         if len(arguments) > len(names) // 2:
-            raise ValueFault(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
+            raise BlockError(f"{routine.name} takes {len(names) // 2} arguments, not {len(arguments)}: correct them")
         for k, (kind, name) in enumerate(zip(names[1::2], names[2::2])):
             named = call.arguments[k] if k < len(call.arguments) else None
-            handed = (frame.local or {}).get(named.name) if isinstance(named, Named) else None
+            handed = frame.outer.get(named.name) if isinstance(named, Named) else None
             if kind.startswith("VAR ") and named is not None:
-                self.memory.local[name] = referred(handed, kind.removeprefix("VAR "), name)
+                self.memory.local[name] = _referred(handed, kind.removeprefix("VAR "), name)
                 continue
             if handed is not None and handed.sizes:
-                raise ValueFault(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
+                raise BlockError(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
             variable = self.memory.define(name, kind.removeprefix("VAR "))
             given = arguments[k] if k < len(arguments) else None
             default = flow.values[k]
@@ -219,3 +207,28 @@ class Interpreter:
                 self.actions.modal = flow.call, arguments
             else:
                 self.call(flow.call, arguments)
+
+
+def values_of(call: Call, memory: Store, *, arrays: bool) -> list[Value | None]:
+    """Values of the arguments of a call, None for each that is left out.
+
+    arrays: whole arrays, which only subprograms take, are None too: they are handed over by name.
+    """
+    found: list[Value | None] = []
+    for argument in call.arguments:
+        variable = memory.local.get(argument.name) if arrays and isinstance(argument, Named) else None
+        whole_array = variable is not None and bool(variable.sizes)
+        found.append(None if argument is None or whole_array else argument(memory))
+    return found
+
+
+def _referred(handed: Variable | None, kind: str, name: str) -> Variable:
+    """The variable that a parameter of VAR stands for (Programming Manual Job Planning, "Call by reference").
+
+    Raises BlockError where something else is handed over, or one of another type.
+    """
+    if handed is None:
+        raise BlockError(f"{name} is a parameter of VAR: hand over a variable of DEF, and no value or expression")
+    if handed.kind != kind:
+        raise BlockError(f"{name} is of type {kind} and stands for a variable of type {handed.kind}: correct one")
+    return handed

@@ -1,31 +1,47 @@
-"""Jumps, choices, loops, repetitions, and DEF."""
+"""Jumps, choices, loops, repetitions, and DEF: which block of a routine is next."""
 
 from __future__ import annotations
 
-from toolpace.programs.reading.sinumerik.flow.memory import Store
+from dataclasses import dataclass, field
+
+from toolpace.programs.reading.language import flow as language
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.language.flow import CALL, PART, CallStack, times
+from toolpace.programs.reading.sinumerik.flow.memory import Local, Store
 from toolpace.programs.reading.sinumerik.flow.routines import Routine
-from toolpace.programs.reading.sinumerik.flow.stack import Frame, Stack, times_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Flow
-from toolpace.programs.reading.sinumerik.syntax.values import (
-    Compiled,
-    Row,
-    Value,
-    ValueFault,
-    above,
-    equal,
-    real,
-    whole,
-)
+from toolpace.programs.reading.sinumerik.syntax.values import Compiled, Row, Value, above, equal, real, whole
+
+DEEPEST = {CALL: (15, " (alarm 14012)"), "": (59, "")}
+"""Calls within each other (Job Planning, "Subprogram nesting": 16 levels with the main program), and repetitions."""
+MOST_TIMES, TIMES_ALARM = 9999, " (alarm 14013)"
+"""Of P."""
+
+
+@dataclass(kw_only=True)
+class Frame(language.Frame):
+    """A routine that is being executed, or a part of it that is repeated."""
+
+    routine: Routine
+    end: int
+    outer: Local = field(default_factory=dict)
+    """Variables of the caller."""
+    modal: bool = False
+    """Whether MCALL made this call: blocks within make none."""
+    begun: bool = False
+    """Whether a block has been executed that declares nothing."""
+    defined: dict[str, int] = field(default_factory=dict)
+    """Index of the line of each DEF, by name."""
 
 
 class Jumps:
     """Decides which block is next."""
 
-    def __init__(self, stack: Stack, memory: Store) -> None:
+    def __init__(self, stack: CallStack[Frame], memory: Store) -> None:
         self.stack, self.memory = stack, memory
 
     def apply(self, flow: Flow, frame: Frame, index: int) -> bool:
-        """Carry out a block of flow; False where it is none of these. Raises ValueFault, StructureFault, Unread."""
+        """Carry out a block of flow; False where it is none of these. Raises BlockError, StructureFault, Unread."""
         kind = flow.kind
         if kind in ("GOTOF", "GOTOB", "GOTO", "GOTOC"):
             if self._holds(flow.values):
@@ -36,7 +52,8 @@ class Jumps:
         elif kind in ("IF", "WHILE", "UNTIL"):
             # UNTIL goes back where its condition does not hold, IF and WHILE go on behind their ends
             if not self._holds(flow.values):
-                frame.at = frame.routine.partners[index] + 1
+                nesting = frame.routine.nesting
+                frame.next = (nesting.partner if kind == "UNTIL" else nesting.following)[index] + 1
         elif kind in ("ELSE", "LOOP", "REPEAT", "ENDLOOP", "ENDWHILE"):
             self._passed(kind, frame, index)
         elif kind in ("FOR", "ENDFOR"):
@@ -60,30 +77,30 @@ class Jumps:
             self._go(target, frame)
         elif kind != "GOTOC":
             direction = {"GOTOF": " below", "GOTOB": " above"}.get(kind, "")
-            raise ValueFault(f"there is no label {label}{direction} to jump to: write it, or correct its name")
+            raise BlockError(f"there is no label {label}{direction} to jump to: write it, or correct its name")
 
     def _go(self, target: int, frame: Frame) -> None:
-        while not frame.start <= target < frame.end:
+        while not frame.begin <= target < frame.end:
             # a jump out of a part that is repeated ends its repetition
             self.stack.pop()
             frame = self.stack[-1]
-        frame.at = target
+        frame.next = target
 
     def _passed(self, kind: str, frame: Frame, index: int) -> None:
-        partner = frame.routine.partners[index]
+        nesting = frame.routine.nesting
         if kind == "ELSE":
-            frame.at = partner + 1
+            frame.next = nesting.following[index] + 1
         elif kind in ("ENDLOOP", "ENDWHILE"):
-            frame.at = partner
+            frame.next = nesting.partner[index]
 
     def _for(self, flow: Flow, frame: Frame, index: int) -> None:
         if flow.kind == "ENDFOR":
-            start = frame.routine.partners[index]
+            start = frame.routine.nesting.partner[index]
             opening = frame.routine.read(start)[1].block.flow
             assert opening is not None
             place = self._variable(opening)
             value: Value = real(self._value(opening, place)) + 1.0
-            frame.at = start
+            frame.next = start
         else:
             start, opening = index, flow
             place = self._variable(flow)
@@ -93,7 +110,7 @@ class Jumps:
         last = opening.values[1]
         assert last is not None
         beyond = above(value, last(self.memory))
-        frame.at = (frame.routine.partners[start] if beyond else start) + 1
+        frame.next = (frame.routine.nesting.partner[start] if beyond else start) + 1
 
     def _variable(self, flow: Flow) -> tuple[Value, ...]:
         return tuple(index(self.memory) for index in flow.values[2:] if index is not None)
@@ -116,24 +133,27 @@ class Jumps:
         first = frame.routine.target("GOTO" if flow.kind == "CALL BLOCK" else "GOTOB", flow.names[0], index)
         first = frame.routine.target("GOTO", flow.names[0], index) if first is None else first
         if first is None:
-            raise ValueFault(f"there is no label {flow.names[0]} to repeat from: write it, or correct its name")
+            raise BlockError(f"there is no label {flow.names[0]} to repeat from: write it, or correct its name")
         end = first + 1 if flow.kind == "REPEATB label" else index
         if len(flow.names) > 1:
             last = frame.routine.target("GOTOF", flow.names[1], first - 1)
             if last is None:
-                raise ValueFault(f"there is no label {flow.names[1]} behind {flow.names[0]}: write it, or correct it")
+                raise BlockError(f"there is no label {flow.names[1]} behind {flow.names[0]}: write it, or correct it")
             end = last + 1
         elif flow.kind == "REPEAT label":
             end = self._to_end_label(frame.routine, first, index)
-        times = 1 if flow.values[0] is None else times_of(whole(flow.values[0](self.memory)), flow.names[0])
-        if times and first < end:
-            self.stack.push(Frame(frame.routine, first, end, first, times, None, None, frame.modal, frame.line))
+        count = flow.values[0]
+        again = 0 if count is None else times_of(whole(count(self.memory)), flow.names[0]) - 1
+        if first < end:
+            part = Frame(kind=PART, next=first, begin=first, end=end, again=again, routine=frame.routine)
+            part.modal, part.called_at = frame.modal, frame.called_at
+            self.stack.enter(part, frame.routine.name or "the program")
 
     @staticmethod
     def _to_end_label(routine: Routine, first: int, index: int) -> int:
-        ends = [place for place in routine.labels.get("ENDLABEL", []) if place > first]
+        ends = [place for place in routine.labels.all("ENDLABEL") if place > first]
         if ends and routine.read(ends[0])[0].rest.strip():
-            raise ValueFault(
+            raise BlockError(
                 "ENDLABEL: beside other words: whether they are repeated is not told; write it in a block of its own"
             )
         return ends[0] if ends else max(index, first)
@@ -145,10 +165,15 @@ class Jumps:
             sizes = [values.pop(0) for _ in range(int(count))]
             start = values.pop(0)
             if frame.defined.setdefault(name, index) != index:
-                raise ValueFault(f"{name} is defined twice (alarm 12170): remove one DEF of it")
+                raise BlockError(f"{name} is defined twice (alarm 12170): remove one DEF of it")
             made = self.memory.define(name, kind, tuple(whole(size(self.memory)) for size in sizes if size is not None))
             if start is not None:
                 value = start(self.memory)
                 if sizes and not isinstance(value, Row):
-                    raise ValueFault(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
+                    raise BlockError(f"is the value of {name} for all elements, or for the first? Write REP() or SET()")
                 made.set((0,) * len(sizes), value, name)
+
+
+def times_of(value: int, name: str) -> int:
+    """How often a subprogram or a part is executed. Raises BlockError."""
+    return times(value, f"{name} P=", MOST_TIMES, TIMES_ALARM)

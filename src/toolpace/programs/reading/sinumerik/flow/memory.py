@@ -7,15 +7,14 @@ from collections.abc import Callable, Mapping
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.coordinates.affine import Matrix
+from toolpace.programs.reading.language.expressions import BlockError, half_away_from_zero
 from toolpace.programs.reading.sinumerik.syntax.expressions import r_number
 from toolpace.programs.reading.sinumerik.syntax.values import (
     Axis,
     Row,
     Unread,
     Value,
-    ValueFault,
     real,
-    rounded,
     shown,
     whole,
 )
@@ -37,11 +36,11 @@ class Variable:
     def __init__(self, kind: str, sizes: tuple[int, ...] = ()) -> None:
         elements = 1
         if len(sizes) > MOST_DIMENSIONS:
-            raise ValueFault(f"an array of {len(sizes)} dimensions cannot be (alarm 12190): write at most 3")
+            raise BlockError(f"an array of {len(sizes)} dimensions cannot be (alarm 12190): write at most 3")
         for size in sizes:
             elements *= size
             if not 0 < size <= MOST_ELEMENTS or elements > MOST_ELEMENTS:
-                raise ValueFault(f"an array of {size} elements cannot be: write a size from 1 to {MOST_ELEMENTS}")
+                raise BlockError(f"an array of {size} elements cannot be: write a size from 1 to {MOST_ELEMENTS}")
         self.kind, self.sizes = kind, sizes
         self.values: dict[tuple[int, ...], Value] = {}
 
@@ -64,9 +63,9 @@ class Variable:
             begin = begin * size + place
         count = elements - begin if value.repeated else len(value.values)
         if count > elements - begin:
-            raise ValueFault(f"{name} has {elements - begin} elements from there on, not {count}: correct them")
+            raise BlockError(f"{name} has {elements - begin} elements from there on, not {count}: correct them")
         if count > MOST_OF_ROW:
-            raise ValueFault(f"SET and REP give {MOST_OF_ROW} elements at most here, not {count}: write a loop")
+            raise BlockError(f"SET and REP give {MOST_OF_ROW} elements at most here, not {count}: write a loop")
         for k in range(count):
             each = converted(value.values[0 if value.repeated else k], self.kind, name)
             self.values[self._place(begin + k)] = each
@@ -81,10 +80,10 @@ class Variable:
 
     def _check(self, index: tuple[int, ...], name: str) -> None:
         if len(index) != len(self.sizes):
-            raise ValueFault(f"{name} has {len(self.sizes)} indices, not {len(index)}: correct it")
+            raise BlockError(f"{name} has {len(self.sizes)} indices, not {len(index)}: correct it")
         for value, size in zip(index, self.sizes):
             if not 0 <= value < size:
-                raise ValueFault(f"{name}[{value}] does not exist, its elements are 0 to {size - 1}: correct it")
+                raise BlockError(f"{name}[{value}] does not exist, its elements are 0 to {size - 1}: correct it")
 
 
 def converted(value: Value, kind: str, name: str) -> Value:
@@ -93,16 +92,16 @@ def converted(value: Value, kind: str, name: str) -> Value:
     if kind == "REAL":
         return float(real(value))
     if kind in ("INT", "CHAR"):
-        whole_number = int(rounded(real(value)))
+        whole_number = int(half_away_from_zero(real(value)))
         if not -LARGEST_INT - 1 <= whole_number <= LARGEST_INT:
-            raise ValueFault(f"{name} is of type {kind} and cannot be {whole_number}: correct it")
+            raise BlockError(f"{name} is of type {kind} and cannot be {whole_number}: correct it")
         return whole_number
     if kind == "BOOL":
         return bool(real(value))
     fits = {"STRING": isinstance(value, str), "AXIS": isinstance(value, Axis)}
     if fits.get(kind, isinstance(value, tuple) and not isinstance(value, Axis)):
         return value
-    raise ValueFault(f"{name} is of type {kind} and cannot be {shown(value)}: correct it")
+    raise BlockError(f"{name} is of type {kind} and cannot be {shown(value)}: correct it")
 
 
 class Store:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import bisect
 import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from toolpace.programs.reading.language.flow import Labels, Nesting
 from toolpace.programs.reading.sinumerik.syntax.blocks import Line
 from toolpace.programs.reading.sinumerik.syntax.statements import Head, head, line
 from toolpace.programs.reading.source import Source
@@ -60,16 +60,12 @@ class Routine:
 
     def check(self) -> None:
         """Raise StructureFault where choices and loops have no partners."""
-        _ = self.partners
+        _ = self.nesting
 
     @cached_property
-    def partners(self) -> dict[int, int]:
-        """Where IF, ELSE, FOR, ... go on when they do not go in, and ends of loops when they do not leave.
-
-        Raises StructureFault.
-        """
-        found: dict[int, int] = {}
-        opened: list[tuple[str, int]] = []
+    def nesting(self) -> Nesting:
+        """Which choices, loops and ends belong together. Raises StructureFault."""
+        found = Nesting()
         spoilt: StructureFault | None = None  # the first IF or FOR that cannot be read, which is why others do not fit
         for index, text in enumerate(self.lines):
             if not _STRUCTURED.match(text):
@@ -78,52 +74,46 @@ class Routine:
             kind = "" if block.flow is None else block.flow.kind
             if block.fault and spoilt is None:
                 spoilt = StructureFault(block.fault, index)
-            if kind in STRUCTURES:
-                beginning = head(text)
-                if beginning.skip or beginning.label:
-                    raise StructureFault(f"{kind} has neither / nor a label before it (alarm 12630)", index)
-            if kind in ("IF", "FOR", "WHILE", "LOOP", "REPEAT"):
-                opened.append((kind, index))
-                if len(opened) > DEEPEST:
+            if kind not in STRUCTURES:
+                continue
+            beginning = head(text)
+            if beginning.skip or beginning.label:
+                raise StructureFault(f"{kind} has neither / nor a label before it (alarm 12630)", index)
+            if kind not in CLOSES:
+                found.begin(kind, index)
+                if len(found.opened[""]) > DEEPEST:
                     raise StructureFault(f"choices and loops are more than {DEEPEST} deep (alarm 12641)", index)
-            elif kind in CLOSES:
-                if not opened or opened[-1][0] != CLOSES[kind]:
-                    inside = f", the last open one is {opened[-1][0]}" if opened else ""
-                    raise spoilt or StructureFault(
-                        f"{kind} stands without its {CLOSES[kind]}{inside}: correct the nesting", index
-                    )
-                _, start = opened.pop()
-                found[start] = index
-                if kind == "ELSE":
-                    opened.append(("IF", index))
-                elif kind != "ENDIF":
-                    found[index] = start
-        if opened:
-            raise spoilt or StructureFault(f"{opened[-1][0]} is never closed: write its end", opened[-1][1])
+                continue
+            innermost = found.innermost()
+            if innermost is None or innermost.kind != CLOSES[kind]:
+                inside = f", the last open one is {innermost.kind}" if innermost else ""
+                raise spoilt or StructureFault(
+                    f"{kind} stands without its {CLOSES[kind]}{inside}: correct the nesting", index
+                )
+            if kind == "ELSE":
+                found.branch(index)
+            else:
+                found.close(index)
+        unclosed = found.innermost()
+        if unclosed is not None:
+            raise spoilt or StructureFault(f"{unclosed.kind} is never closed: write its end", unclosed.parts[-1])
         return found
 
     @cached_property
-    def labels(self) -> dict[str, list[int]]:
-        """Indices of each label and block number, in the order of the lines."""
-        found: dict[str, list[int]] = {}
+    def labels(self) -> Labels:
+        """Labels and block numbers."""
+        found = Labels()
         for index, text in enumerate(self.lines):
             beginning = head(text)
             for name in (beginning.label, beginning.number):
                 if name:
-                    found.setdefault(name, []).append(index)
+                    found.add(name, index)
         return found
 
     def target(self, kind: str, label: str, index: int) -> int | None:
         """Index of the label of a jump from here: GOTOF looks forward, GOTOB back, GOTO both."""
-        places = self.labels.get(label, [])
-        cut = bisect.bisect_right(places, index)
-        ahead = places[cut] if cut < len(places) else None
-        back = places[cut - 1] if cut else None
-        if kind == "GOTOF":
-            return ahead
-        if kind == "GOTOB":
-            return back
-        return back if ahead is None else ahead
+        below = None if kind == "GOTOB" else self.labels.below(label, index)
+        return self.labels.above(label, index) if below is None and kind != "GOTOF" else below
 
 
 @dataclass

@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+from toolpace.programs.reading.language.expressions import BlockError
+
 WORD, LETTER, NAME, SYSTEM, NUMBER, TEXT, SIGN, END = "word", "letter", "name", "$", "number", "text", "sign", "end"
 LONGEST = 4096
 """Most characters of a block; the control takes 512."""
@@ -47,10 +49,6 @@ class Token(NamedTuple):
         return self.text[-1:] == MARK
 
 
-class SyntaxFault(ValueError):
-    """A block that cannot be understood; the message says why and what to write."""
-
-
 LAST = Token(END, "the end of the block")
 
 
@@ -71,24 +69,24 @@ def number(text: str) -> float:
         return float(text)
     mantissa, _, exponent = text.upper().partition("EX")
     if not -300 <= int(exponent[:6]) <= 300:
-        raise SyntaxFault(f"number {text[:20]} is out of range: correct its exponent")
+        raise BlockError(f"number {text[:20]} is out of range: correct its exponent")
     return float(f"{mantissa}e{exponent}")
 
 
 def tokens(block: str) -> list[Token]:
-    """Tokens of a block without comment, and one that says that it ends. Raises SyntaxFault."""
+    """Tokens of a block without comment, and one that says that it ends. Raises BlockError."""
     if len(block) > LONGEST:
-        raise SyntaxFault(f"the block has {len(block)} characters, at most {LONGEST} are read: split it")
+        raise BlockError(f"the block has {len(block)} characters, at most {LONGEST} are read: split it")
     upper = block.upper()
     if len(upper) != len(block):
-        raise SyntaxFault("the block has letters that no control has: write names in plain letters")
+        raise BlockError("the block has letters that no control has: write names in plain letters")
     found: list[Token] = []
     marks = 0
     at, end = 0, len(block)
     while at < end:
         match = _TOKEN.match(upper, at)
         if match is None:
-            raise SyntaxFault(_reason(block[at:].lstrip()))
+            raise BlockError(_reason(block[at:].lstrip()))
         token = _token(match, block)
         if token.marked and token.kind != TEXT:
             token, marks = token._replace(value=float(marks)), marks + 1
@@ -118,7 +116,7 @@ def _token(match: re.Match[str], block: str) -> Token:
         return Token(TEXT, block[match.start("text") + 1 : match.end("text") - 1])
     base, digits = match["base"], match["digits"]
     if len(digits) > 64 or (base == "B" and set(digits) - {"0", "1"}):
-        raise SyntaxFault(f"'{base}{digits[:20]}' is no number: write 'HFF' or 'B101'")
+        raise BlockError(f"'{base}{digits[:20]}' is no number: write 'HFF' or 'B101'")
     return Token(NUMBER, digits, float(int(digits, 16 if base == "H" else 2)))
 
 

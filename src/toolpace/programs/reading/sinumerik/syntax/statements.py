@@ -6,8 +6,17 @@ import re
 from functools import lru_cache
 from typing import NamedTuple
 
-from toolpace.programs.reading.sinumerik.syntax import flows
-from toolpace.programs.reading.sinumerik.syntax.blocks import ADDRESSES, FORMS, Assignment, Block, Call, Line, Word
+from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.sinumerik.syntax.blocks import (
+    ADDRESSES,
+    FORMS,
+    Assignment,
+    Block,
+    Call,
+    Line,
+    Word,
+    flow_block,
+)
 from toolpace.programs.reading.sinumerik.syntax.expressions import Parser, constant, r_number
 from toolpace.programs.reading.sinumerik.syntax.lexer import (
     END,
@@ -20,13 +29,12 @@ from toolpace.programs.reading.sinumerik.syntax.lexer import (
     SYSTEM,
     TEXT,
     WORD,
-    SyntaxFault,
     Token,
     number,
     tokens,
     without_comment,
 )
-from toolpace.programs.reading.sinumerik.syntax.values import Compiled, ValueFault
+from toolpace.programs.reading.sinumerik.syntax.values import Compiled
 
 _HEAD = re.compile(
     r"[ \t]*(?P<skip>/[0-9]?)?[ \t]*(?:(?P<number>[N:])[ \t]*(?P<digits>[0-9]+))?[ \t]*(?P<late>/[0-9]?)?[ \t]*"
@@ -81,7 +89,7 @@ def line(text: str) -> Line:
         try:
             shape, literals = _shape(upper)
             found = _shaped(shape)
-        except SyntaxFault as error:
+        except BlockError as error:
             return Line(Block(fault=str(error)))
         if found is not None:
             return Line(found, literals)
@@ -89,7 +97,7 @@ def line(text: str) -> Line:
 
 
 def _shape(text: str) -> tuple[str, tuple[float, ...]]:
-    """A line with marks for its constants, and these. Raises SyntaxFault."""
+    """A line with marks for its constants, and these. Raises BlockError."""
     if _PLAIN.fullmatch(text):
         return _OF_PLAIN.sub(MARK, text), tuple(map(number, _OF_PLAIN.findall(text)))
     literals: list[float] = []
@@ -115,7 +123,7 @@ def _shaped(shape: str) -> Block | None:
     """
     try:
         found = _Reader(tokens(shape)).block()
-    except (SyntaxFault, ValueFault):
+    except BlockError:
         return None
     return None if found.flow is not None else found
 
@@ -126,14 +134,14 @@ def _exact(text: str) -> Block:
         return Block(fault="the block has a character that cannot be printed: remove it")
     try:
         return _Reader(tokens(text)).block()
-    except (SyntaxFault, ValueFault) as error:
+    except BlockError as error:
         return Block(fault=str(error))
 
 
 def code(letter: str, value: float) -> str:
     """G1 of G01."""
     if not 0 <= value < 1e6 or value != int(value):
-        raise SyntaxFault(f"{letter}{value:g} is no code: they are whole numbers, like {letter}1")
+        raise BlockError(f"{letter}{value:g} is no code: they are whole numbers, like {letter}1")
     return f"{letter}{int(value)}"
 
 
@@ -142,7 +150,7 @@ def _refuse_twice(words: list[Word]) -> None:
         seen = [word.address for word in words if not word.indices]
         if len(set(seen)) < len(seen):
             twice = next(address for address in seen if seen.count(address) > 1)
-            raise SyntaxFault(f"{twice} stands twice in one block: remove one")
+            raise BlockError(f"{twice} stands twice in one block: remove one")
 
 
 class _Reader(Parser):
@@ -157,10 +165,10 @@ class _Reader(Parser):
 
     def block(self) -> Block:
         """All of it."""
-        flow = flows.read(self)
+        flow = flow_block(self)
         if flow is not None:
             if self.token.kind != END:
-                raise SyntaxFault(f"{self.found()} has no meaning behind {flow.kind}: write it in a block of its own")
+                raise BlockError(f"{self.found()} has no meaning behind {flow.kind}: write it in a block of its own")
             return Block(flow=flow)
         while self.token.kind != END:
             self._element(self.take())
@@ -177,20 +185,20 @@ class _Reader(Parser):
         elif token.kind == NAME:
             self._name(token.text)
         elif token.kind == SYSTEM:
-            index = tuple(self.index()) if self.sign("[") else ()
+            index = tuple(self.enumerated("]")) if self.passes("[") else ()
             self.need("=")
             self.assignments.append(Assignment(token.text, index, self.expression()))
         elif token.text == "(":
-            raise SyntaxFault("a bracket stands alone: comments begin with ; on this control")
+            raise BlockError("a bracket stands alone: comments begin with ; on this control")
         elif token.kind == TEXT:
-            raise SyntaxFault(f'the text "{token.text[:20]}" belongs to nothing: write it like MSG("text")')
+            raise BlockError(f'the text "{token.text[:20]}" belongs to nothing: write it like MSG("text")')
         else:
             cure = "numbers have a decimal point, like X10.5" if token.text == "," else "write words like X10 or X=R1+5"
-            raise SyntaxFault(f"'{token.text[:30]}' has no meaning here: {cure}")
+            raise BlockError(f"'{token.text[:30]}' has no meaning here: {cure}")
 
     def _word(self, token: Token) -> None:
         letter, figure = token.text[0], token.text[1:]
-        if self.sign("="):
+        if self.passes("="):
             if letter == "R" and figure.isdigit():
                 number = r_number(token.value)
                 self.assignments.append(Assignment("R", (constant(number),), self.expression()))
@@ -199,13 +207,13 @@ class _Reader(Parser):
             elif figure.isdigit():
                 self._numbered(token.text)
             else:
-                raise SyntaxFault(f"'{token.text[:30]}=' names no address: write X=... or X1=...")
+                raise BlockError(f"'{token.text[:30]}=' names no address: write X=... or X1=...")
         elif letter in _CODES:
             self.codes.append(code(letter, token.value))
         elif letter == "L":
             self.calls.append(Call(token.text))
         elif letter == "R":
-            raise SyntaxFault(f"'{token.text[:30]}' does nothing: assign it, like R1=5")
+            raise BlockError(f"'{token.text[:30]}' does nothing: assign it, like R1=5")
         elif letter == "P" and self.calls:
             self.calls[-1] = self.calls[-1]._replace(times=constant(token.value))
         else:
@@ -214,15 +222,15 @@ class _Reader(Parser):
 
     def _letter(self, token: Token) -> None:
         letter = token.text
-        if letter == "R" and self.sign("["):
-            index = tuple(self.index())
+        if letter == "R" and self.passes("["):
+            index = tuple(self.enumerated("]"))
             self.need("=")
             self.assignments.append(Assignment("R", index, self.expression()))
-        elif self.sign("["):
-            index = tuple(self.index())
+        elif self.passes("["):
+            index = tuple(self.enumerated("]"))
             self.need("=")
             self._value(letter, index)
-        elif self.sign("="):
+        elif self.passes("="):
             if letter == "M":
                 self._ignored_value("M=")
             elif letter == "P" and self.calls:
@@ -230,26 +238,26 @@ class _Reader(Parser):
             else:
                 self._value(letter)
         else:
-            raise SyntaxFault(f"letter {letter} has no number after it: write one, like {letter}1.5")
+            raise BlockError(f"letter {letter} has no number after it: write one, like {letter}1.5")
 
     def _name(self, name: str) -> None:
-        if self.sign("="):
+        if self.passes("="):
             if name in ADDRESSES:
                 self._value(name)
             else:
                 self.assignments.append(Assignment(name, (), self.expression()))
-        elif self.sign("["):
-            index = tuple(self.index())
+        elif self.passes("["):
+            index = tuple(self.enumerated("]"))
             self.need("=")
             if name in ADDRESSES:
                 self._value(name, index)
             else:
                 self.assignments.append(Assignment(name, index, self.assigned()))
-        elif self.sign("("):
+        elif self.passes("("):
             try:
                 self.calls.append(Call(name, tuple(self.arguments()), True))
-            except SyntaxFault as fault:
-                raise SyntaxFault(f"{fault}; brackets hold what {name[:20]} is given, comments begin with ;") from None
+            except BlockError as fault:
+                raise BlockError(f"{fault}; brackets hold what {name[:20]} is given, comments begin with ;") from None
         else:
             self.codes.append(name)
 
@@ -268,7 +276,7 @@ class _Reader(Parser):
             self.need("(")
             value = self.expression()
             self.need(")")
-        elif address == "PO" and self.sign("("):
+        elif address == "PO" and self.passes("("):
             self.words.append(Word(address, -1, constant(0.0), "", index, tuple(self.arguments())))
             return
         else:

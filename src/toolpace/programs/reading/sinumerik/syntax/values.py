@@ -1,14 +1,16 @@
-"""Values of expressions, and built-in functions."""
+"""Values of expressions: numbers, texts, axes, rows, and frames with the functions that make them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
+from toolpace.programs.reading.language.expressions import BlockError
 
 
 class Axis(NamedTuple):
@@ -53,10 +55,7 @@ class Memory(Protocol):
 
 
 Compiled = Callable[[Memory], Value]
-
-
-class ValueFault(ValueError):
-    """A value that cannot be; the message says why and what to write."""
+ValueFault = BlockError
 
 
 class Unread(Exception):
@@ -71,16 +70,16 @@ def real(value: Value) -> float:
     """The value as a number."""
     if isinstance(value, (float, int)):
         if not abs(value) < 1e300:
-            raise ValueFault(f"the expression comes to {value:g}: correct its numbers")
+            raise BlockError(f"the expression comes to {value:g}: correct its numbers")
         return value
-    raise ValueFault(f"{shown(value)} is no number: write a number or a REAL variable")
+    raise BlockError(f"{shown(value)} is no number: write a number or a REAL variable")
 
 
 def whole(value: Value) -> int:
     """The value as a whole number: of an index, a count."""
     number = real(value)
     if number != round(number) or not abs(number) < 1e15:
-        raise ValueFault(f"{number:g} must be a whole number here: correct it")
+        raise BlockError(f"{number:g} must be a whole number here: correct it")
     return round(number)
 
 
@@ -107,7 +106,7 @@ def equal(a: Value, b: Value) -> bool:
     if isinstance(a, (float, int)) and isinstance(b, (float, int)):
         return a == b or abs(a - b) <= 1e-12 * max(abs(a), abs(b))
     if type(a) is not type(b):
-        raise ValueFault(f"{shown(a)} and {shown(b)} cannot be compared: they are of different kinds")
+        raise BlockError(f"{shown(a)} and {shown(b)} cannot be compared: they are of different kinds")
     return a == b
 
 
@@ -116,65 +115,86 @@ def above(a: Value, b: Value) -> bool:
     return real(a) > real(b) and not equal(a, b)
 
 
-def nonzero(value: Value) -> float:
-    """A divisor."""
-    number = real(value)
-    if number == 0.0:
-        raise ValueFault("an expression divides by zero: correct it")
-    return number
+# Frames
+
+FRAME_FUNCTIONS = ("CTRANS", "CFINE", "CROT", "CSCALE", "CMIRROR")
+SLOTS = {"X": 0, "Y": 1, "Z": 2}
+RPY = (2, 1, 0)
+"""Axes of the turns of one ROT block: Z, then the new Y, then the newest X, whatever the order they are written in
+(MD10600 = 1, Programming Manual Fundamentals, 12.4)."""
 
 
-def _within(name: str, value: float, low: float, high: float) -> float:
-    if not low <= value <= high:
-        raise ValueFault(f"{name}({value:g}) has no value: its argument lies beyond what {name} takes")
-    return value
+def frame(name: str, arguments: Sequence[Value], unit: float) -> Matrix:
+    """The frame of a function with these arguments: axes, each with its value, but for CMIRROR."""
+    values: dict[str, float] = {}
+    if name == "CMIRROR":
+        return mirror(axes(arguments))
+    if len(arguments) % 2:
+        raise BlockError(f"{name} takes axes with a value each, like {name}(X,10,Y,20): correct it")
+    for axis, value in zip(axes(arguments[::2]), arguments[1::2]):
+        values[axis] = real(value)
+    if name == "CROT":
+        return rotation(values)
+    if name == "CSCALE":
+        return scale(values)
+    return affine.shift([values.get(axis, 0.0) * unit for axis in SLOTS])
 
 
-def rounded(x: float) -> float:
-    """To the next whole number, halves away from zero: ROUND, and a REAL that an INT is given."""
-    return math.copysign(math.floor(abs(x) + 0.5), x)
+def axes(arguments: Sequence[Value]) -> list[str]:
+    """Letters of axes that a frame has: X, Y, Z."""
+    found = []
+    for argument in arguments:
+        letter = argument.letter if isinstance(argument, Axis) else ""
+        if letter not in SLOTS:
+            raise BlockError("a frame's function takes the axes X, Y and Z: correct its arguments")
+        found.append(letter)
+    return found
 
 
-def _rounded_up(x: float) -> float:
-    return float(math.ceil(x)) if x > 0 else float(math.floor(x))
+def rotation(degrees: dict[str, float]) -> Matrix:
+    """Turns by angles about the axes, by name."""
+    return affine.turns(*((slot, degrees.get("XYZ"[slot], 0.0) * DEGREE) for slot in RPY))
 
 
-FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
-    "SIN": (1, lambda x: math.sin(x * DEGREE)),
-    "COS": (1, lambda x: math.cos(x * DEGREE)),
-    "TAN": (1, lambda x: math.tan(x * DEGREE)),
-    "ASIN": (1, lambda x: math.asin(_within("ASIN", x, -1, 1)) / DEGREE),
-    "ACOS": (1, lambda x: math.acos(_within("ACOS", x, -1, 1)) / DEGREE),
-    "ATAN2": (2, lambda y, x: math.atan2(y, x) / DEGREE),
-    "SQRT": (1, lambda x: math.sqrt(_within("SQRT", x, 0, math.inf))),
-    "ABS": (1, abs),
-    "POT": (1, lambda x: x * x),
-    "TRUNC": (1, lambda x: float(math.trunc(x))),
-    "ROUND": (1, rounded),
-    "ROUNDUP": (1, _rounded_up),
-    "LN": (1, lambda x: math.log(_within("LN", x, 5e-324, math.inf))),
-    "EXP": (1, lambda x: math.exp(_within("EXP", x, -700, 700))),
-    "MINVAL": (2, min),
-    "MAXVAL": (2, max),
-    "BOUND": (3, lambda low, high, x: min(max(x, low), high)),
-}
-"""How many arguments each function takes, and what it is; angles are in degrees (NC Programming, 2.15)."""
-CONSTANTS: dict[str, Value] = {
-    "TRUE": True,
-    "FALSE": False,
-    # parts of a frame: $P_UIFR[1, X, TR]
-    **{part: part for part in ("TR", "FI", "RT", "SC", "MI")},
-    # modes of CYCLE832 (NC Programming, 3.25)
-    "_OFF": 0,
-    "_FINISH": 1,
-    "_SEMIFIN": 2,
-    "_ROUGH": 3,
-    "_PRECISION": 4,
-    "_ORI_FINISH": 11,
-    "_ORI_SEMIFIN": 12,
-    "_ORI_ROUGH": 13,
-    "_ORI_PRECISION": 14,
-    "_TOP_SURFACE_SMOOTH_OFF": 1_000_000,
-    "_TOP_SURFACE_SMOOTH_ON": 2_000_000,
-}
-"""Names of values."""
+def scale(factors: dict[str, float]) -> Matrix:
+    """Scales along the axes, by name."""
+    wanted = [factors.get(axis, 1.0) for axis in SLOTS]
+    if not all(1e-6 < abs(factor) < 1e6 for factor in wanted):
+        raise BlockError("a scale must not be zero: correct it")
+    return affine.scaling(wanted)
+
+
+def mirror(letters: Sequence[str]) -> Matrix:
+    """Reflections along the axes."""
+    return affine.scaling([-1.0 if axis in letters else 1.0 for axis in SLOTS])
+
+
+def solid(degrees: dict[str, float]) -> Matrix:
+    """ROTS: a plane by the angles of its intersections with two planes of the coordinates [deg].
+
+    X, Y: the new X axis lies in the old ZX plane; Z, X: the new Z axis in the old YZ plane; Y, Z: the new Y axis in
+    the old XY plane (K2, frame rotations with solid angles).
+    """
+    if len(degrees) != 2:
+        raise BlockError("ROTS takes two angles: X and Y, Y and Z, or Z and X")
+    missing = next(slot for slot in range(3) if "XYZ"[slot] not in degrees)
+    first, second = (missing + 1) % 3, (missing + 2) % 3
+    a, b = degrees["XYZ"[first]] * DEGREE, degrees["XYZ"[second]] * DEGREE
+    along, across = [0.0] * 3, [0.0] * 3
+    along[first], along[missing] = math.cos(b), -math.sin(b)
+    across[second], across[missing] = math.cos(a), math.sin(a)
+    normal = _unit(cross(along, across))
+    columns = {first: along, second: cross(normal, along), missing: normal}
+    return affine.linear([[columns[column][row] for column in range(3)] for row in range(3)])
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    """The vector product (3,)."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _unit(a: list[float]) -> list[float]:
+    size = math.hypot(*a)
+    if size < 1e-9:
+        raise BlockError("these angles of ROTS span no plane: correct them")
+    return [value / size for value in a]

@@ -1,1 +1,0 @@
-"""The bending of a tool under cutting force, and programs compensated for it."""

@@ -1,1 +1,0 @@
-"""Time laws of a detour and of the motion after it."""

@@ -1,1 +1,0 @@
-"""Tool bending recomputed from set-points, machine, program and tool alone."""

@@ -1,1 +1,0 @@
-"""The matching of motion poses with program places."""

@@ -1,0 +1,148 @@
+"""One sweep of the alignment along a row of poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, Ints
+
+FANOUT = 8
+"""Parts of a row that make up the next larger part of its tree; the same in the kernel."""
+FULL = -2
+"""What the kernel returns where the room for intervals ends."""
+NEVER = 2**62
+"""More poses, and more cells, than there are."""
+LARGE = 64
+"""Ways of the least part about which a disc is laid: a turn of a joint has as many."""
+NEAR = 2.0
+"""Half the side of the largest box about a part that may be wholly near, and is worth a disc [tolerances]."""
+POINT = 0.01
+"""Radius of a ball that no disc makes much smaller [tolerances]."""
+HALVES = (slice(0, 3), slice(3, 6))
+"""Tip and axis of a pose."""
+AT_ONCE = 1_000_000
+"""Poses about which discs are laid at a time."""
+
+
+class OutOfWorkError(Exception):
+    """More cells were looked at than a motion that belongs to the program can ask for."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row of poses (m, 6) with discs about its parts, so that what is wholly near is not looked at one by one."""
+
+    poses: Floats
+    extra: Floats
+    """(m,) radius at each pose beyond that of the pose which is looked for."""
+    room: Floats
+    """(m - 1, 2) the same of each way from one pose to the next, of tip and axis."""
+    discs: Floats = field(init=False)
+    """(parts, 16) of tip and axis of each part of 8, 64, ... ways: centre, upright, radius and half the thickness; a
+    ball where the upright is 0."""
+    levels: Ints = field(init=False)
+    """First part of each size, and the number of all."""
+
+    def __post_init__(self) -> None:
+        least, most = self.poses, self.poses
+        parts, levels = [np.empty((0, 16))], [0]
+        ways, size = len(self.poses) - 1, FANOUT
+        while ways // size > 0:
+            count = ways // size
+            starts = np.arange(count) * FANOUT
+            # A part ends at the pose with which the next one begins.
+            within = slice(0, count * FANOUT + (1 if size == FANOUT else 0))
+            low, high = np.minimum.reduceat(least[within], starts), np.maximum.reduceat(most[within], starts)
+            if size == FANOUT:
+                low, high = np.minimum(low, least[starts + FANOUT]), np.maximum(high, most[starts + FANOUT])
+            large = (high - low).max(axis=1) <= 2.0 * NEAR if size >= LARGE else np.zeros(count, dtype=bool)
+            parts.append(np.hstack([_discs(self.poses, half, low, high, size, large) for half in HALVES]))
+            levels.append(levels[-1] + count)
+            least, most, size = low, high, size * FANOUT
+        object.__setattr__(self, "discs", np.ascontiguousarray(np.concatenate(parts)))
+        object.__setattr__(self, "levels", np.array(levels, dtype=np.int64))
+
+    @property
+    def last(self) -> int:
+        """The last place."""
+        return len(self.poses) - 1
+
+
+def _discs(poses: Floats, half: slice, low: Floats, high: Floats, size: int, large: npt.NDArray[np.bool_]) -> Floats:
+    """Discs (parts, 8) about one half of parts of `size` ways each of a row (m, 6), whose boxes are `low` and `high`
+    (parts, 6); balls about their boxes where parts are not `large` (parts,), or next to points.
+
+    Turns of a joint are circles, which have room in a disc and little in the ball about their box: a pose beside the
+    plane of a circle can be near all of it and far from parts of the ball.
+    """
+    side = 0.5 * (high[:, half] - low[:, half])
+    found = np.zeros((len(low), 8))
+    found[:, :3], found[:, 6] = low[:, half] + side, np.sqrt((side**2).sum(axis=1))
+    wanted = np.flatnonzero(large & (found[:, 6] > POINT))
+    step = max(AT_ONCE // size, 1)
+    for part in (wanted[k : k + step] for k in range(0, len(wanted), step)):
+        away = poses[part[:, None] * size + np.arange(size + 1), half] - found[part, None, :3]
+        upright = np.linalg.eigh(np.swapaxes(away, 1, 2) @ away)[1][:, :, 0]
+        above = np.einsum("psa,pa->ps", away, upright)
+        beside = away - above[:, :, None] * upright[:, None]
+        found[part, 3:6] = upright
+        found[part, 6] = np.sqrt((beside**2).sum(axis=2).max(axis=1))
+        found[part, 7] = np.abs(above).max(axis=1)
+    return found
+
+
+@dataclass
+class Sweep:
+    """The places of a line that each pose of a row can stand at, found from the start on."""
+
+    rows: Floats
+    room: Floats
+    """(n - 1, 2) how much further from each way between them is near, of tip and axis."""
+    line: Line
+    radius: Floats
+    """(n,) how far from each pose is near; raised where a sweep is told to."""
+    work: int = NEVER
+    """Cells that may still be looked at."""
+    begin: Ints = field(init=False)
+    low: Floats = field(init=False)
+    high: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.rows)
+        self.begin = np.zeros(n + 1, dtype=np.int64)
+        self.low, self.high = np.empty(2 * n + 64), np.empty(2 * n + 64)
+
+    def run(self, reached: int, goal: int, seek: int = NEVER, raised: float = 0.0) -> int:
+        """Go on from pose `reached` (-1: from none) to `goal`; the last pose that was reached, -1 for none.
+
+        From pose `seek` on each is first tried with its radius, then with `raised`; ends at the first that does with
+        the radius it had. Raises OutOfWorkError.
+        """
+        from toolpace.kernels.judge.free_space import Row, reach
+
+        line = self.line
+        while True:
+            task = np.array([reached, goal, seek, self.work, 0], dtype=np.int64)
+            found = int(
+                reach(
+                    Row(self.rows, self.room), Row(line.poses, line.room), self.radius, line.extra, line.discs,
+                    line.levels, task, raised,
+                    self.begin, self.low, self.high,
+                )
+            )  # fmt: skip
+            if found != FULL:
+                break
+            self.low, self.high = (np.concatenate((each, np.empty(len(each)))) for each in (self.low, self.high))
+        self.work = int(task[3])
+        if task[4]:
+            raise OutOfWorkError
+        return found
+
+    def ends(self) -> bool:
+        """Whether the last pose can stand at the end of the line."""
+        n = len(self.rows)
+        first, last = self.begin[n - 1], self.begin[n]
+        return bool(last > first and self.high[last - 1] >= self.line.last)

@@ -1,1 +1,0 @@
-"""Kernels of the simultaneous optimisation of path and speed law."""

@@ -1,1 +1,0 @@
-"""Time laws: the path parameter over time."""

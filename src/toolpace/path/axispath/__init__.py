@@ -1,1 +1,0 @@
-"""Joint paths: joint positions over a path parameter."""

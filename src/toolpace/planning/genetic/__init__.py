@@ -1,1 +1,0 @@
-"""The genetic planner (Wu, Li, Liu and Perez, ACC 2009)."""

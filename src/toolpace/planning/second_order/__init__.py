@@ -1,1 +1,0 @@
-"""The second-order planner: velocity, feed and acceleration limits only."""

@@ -1,1 +1,0 @@
-"""Exact curves of programs, before points are laid along them."""

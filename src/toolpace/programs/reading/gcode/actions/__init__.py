@@ -1,1 +1,0 @@
-"""Actions of G and M words."""

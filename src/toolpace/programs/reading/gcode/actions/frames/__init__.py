@@ -1,1 +1,0 @@
-"""Work offsets, and the frames that a program lays over them."""

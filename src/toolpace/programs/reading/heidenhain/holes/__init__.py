@@ -1,1 +1,0 @@
-"""Drilling cycles and hole patterns."""

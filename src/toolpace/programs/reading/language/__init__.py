@@ -1,0 +1,1 @@
+"""What the languages of programs have in common: expressions, and the flow from block to block."""

@@ -1,1 +1,0 @@
-"""Arcs and splines of Sinumerik."""

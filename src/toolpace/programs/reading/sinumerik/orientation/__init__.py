@@ -1,1 +1,0 @@
-"""Tool vectors, frames along the tool, the order of rotary axes."""

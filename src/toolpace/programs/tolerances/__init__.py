@@ -1,1 +1,0 @@
-"""Tolerances of a path by place."""

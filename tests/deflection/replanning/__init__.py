@@ -1,1 +1,0 @@
-"""The way back to the path."""

@@ -1,1 +1,0 @@
-"""The planner of Wu, Li, Liu and Perez (ACC 2009)."""
