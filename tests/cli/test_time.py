@@ -9,6 +9,7 @@ import pytest
 
 from tests.support.trapezoids import log_of, program
 from toolpace.cli import main
+from toolpace.machine.machine import Machine
 
 PROGRAM = (
     "G21 G90 G94\nG0 X0 Y0 Z10 A0 C0\nT1 M6\nG1 Z0 F1000\nG1 X40\nG1 Y30 A10\nG4 P1\nT2 M6\nG1 X0 C20\nG0 Z10\nM30\n"
@@ -53,8 +54,8 @@ def test_the_optimum_is_that_of_plan_and_the_model_ideal_is_it(part, tmp_path, c
 
 
 def test_a_page_tells_operations_and_a_table_many_programs(part, capsys):
-    page = printed(capsys, part, *MACHINE, "--model", "fir", "--no-optimum")
-    assert "pulses of velocity" in page and "tool change" in page and "optimum" not in page
+    page = printed(capsys, part, *MACHINE, "--model", "heidenhain", "--no-optimum")
+    assert "positions filtered" in page and "tool change" in page and "optimum  " not in page
     step = next(line for line in page.splitlines() if line.startswith("moves"))
     assert f"{part}: 11 blocks" in step and page.count("moves  ") == 1
     table = printed(capsys, part, part, *MACHINE, "--model", "lookahead", "--no-optimum")
@@ -76,10 +77,46 @@ def test_the_figures_of_a_control_stand_in_its_file(part, tmp_path, capsys):
     assert "tolerence" in capsys.readouterr().err
 
 
+def test_the_tolerance_of_the_program_holds_for_the_control_and_for_the_optimum(tmp_path, capsys):
+    (tmp_path / "part.mpf").write_text(
+        "G71 G90 G94\nG0 X0 Y0 Z0 A0 C0\nCYCLE832(0.05, 1)\nG1 X20 F6000\nY20\nX0\nM30\n"
+    )
+    part = [str(tmp_path / "part.mpf"), *MACHINE]
+    (own,) = json.loads(printed(capsys, *part, "--json"))
+    assert own["model"] == "sinumerik" and own["program_tolerance_mm"] == [pytest.approx(0.05)] * 2
+    wide, narrow = (
+        json.loads(printed(capsys, *part, "--tip-tolerance", each, "--json"))[0] for each in ("50um", "5um")
+    )
+    assert own["optimum_s"] == pytest.approx(wide["optimum_s"], rel=1e-9) and narrow["optimum_s"] > own["optimum_s"]
+    page = printed(capsys, *part, "--no-optimum")
+    assert "0.05 mm, as the program asks for" in page
+    (tmp_path / "part.mpf").write_text("G71 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nY20\nM30\n")
+    assert "the program asks for none; 0.01 mm" in printed(capsys, *part, "--no-optimum")
+
+
+def test_limits_that_the_control_exceeds_are_named_with_place_and_size(tmp_path, capsys):
+    (tmp_path / "part.nc").write_text("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nY20\nX0\nM30\n")
+    part = [str(tmp_path / "part.nc"), *MACHINE, "--model", "fanuc", "--no-optimum"]
+    found = json.loads(printed(capsys, *part, "--json"))[0]["exceeded"]
+    # 500 mm/min of X and of Y in 1 ms, at both corners
+    limits = Machine.load("xyzac-trunnion").limits
+    change = 500.0 / 6e4
+    worst = {(each["kind"], each["axis"]): each for each in found}
+    for axis in (0, 1):
+        name = "XY"[axis]
+        assert worst["acceleration", name]["ratio"] == pytest.approx(change / 1e-3 / limits.acceleration[axis])
+        assert worst["jerk", name]["ratio"] == pytest.approx(4.0 * change / 1e-6 / limits.jerk[axis])
+        assert worst["jerk", name]["corners"] == 2 and worst["jerk", name]["line"] in (3, 4)
+    assert "times its limit in 2 corners, worst at line" in " ".join(printed(capsys, *part).split())
+    part[part.index("fanuc")] = "lookahead"
+    assert json.loads(printed(capsys, *part, "--json"))[0]["exceeded"] == []
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
         (["--model", "linux"], "did you mean"),
+        (["--model", "fir"], "there is no such model any more; take heidenhain or fanuc"),
         (["--write-controller", "a.toml"], "goes with --fit"),
         (["--fit", "none.csv"], "cannot be read"),
     ],
@@ -112,7 +149,7 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     assert "is there already" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("model", ["linuxcnc", "lookahead", "fir", "ideal"])
+@pytest.mark.parametrize("model", ["linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal"])
 @pytest.mark.parametrize("before", ["", "G0 X1 Y2 Z3 A0 C0\n"], ids=["no place", "a place"])
 def test_a_program_that_only_waits_takes_what_it_waits(tmp_path, capsys, model, before):
     file = tmp_path / "warm_up.ngc"
@@ -120,7 +157,7 @@ def test_a_program_that_only_waits_takes_what_it_waits(tmp_path, capsys, model, 
     (found,) = json.loads(printed(capsys, str(file), *MACHINE, "--model", model, "--json"))
     assert found["total_s"] == found["dwell_s"] == found["optimum_s"] == 3.5
     assert "3.50 s" in printed(capsys, str(file), *MACHINE, "--model", model)
-    (found,) = json.loads(printed(capsys, str(file), *MACHINE, "--model", "fir", "--no-optimum", "--json"))
+    (found,) = json.loads(printed(capsys, str(file), *MACHINE, "--model", "heidenhain", "--no-optimum", "--json"))
     assert found["total_s"] == 3.5 and found["optimum_s"] is None
 
 
@@ -147,7 +184,7 @@ PLACES = {
 
 @pytest.mark.parametrize(
     ("command", "option"),
-    [(["time", "--fit", "log.csv", "--model", "fir"], "--write-controller"), (["inspect"], "--write-setup")],
+    [(["time", "--fit", "log.csv", "--model", "heidenhain"], "--write-controller"), (["inspect"], "--write-setup")],
 )
 @pytest.mark.parametrize(("place", "told"), PLACES.values(), ids=PLACES)
 def test_a_place_for_a_file_is_tried_before_the_work(part, tmp_path, capsys, monkeypatch, command, option, place, told):

@@ -192,7 +192,7 @@ def time_command(
     fit: options.FitLog = None,
     write_controller: options.WriteController = None,
     feed: options.Feed = None,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TOLERANCES_OF_PROGRAM,
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     json: options.Json = False,
@@ -208,7 +208,7 @@ def time_command(
 
         toolpace time part.ngc -m xyzac-trunnion --controller linuxcnc
         toolpace time first.nc second.nc -m my-mill.toml --controller my-control.toml --setup setup.toml
-        toolpace time part.mpf -m xyzbc-head --model fir --no-optimum --json
+        toolpace time part.mpf -m xyzbc-head --model sinumerik --no-optimum --json
         toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
     """
     from toolpace.cli import arguments

@@ -78,12 +78,15 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 
 def tolerances(typed: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
-    from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE
+    from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE, TOLERANCES_OF_PROGRAM
     from toolpace.programs.tolerances import SIDES, Tolerances
 
     metres = _above_zero("--tip-tolerance", units.parse_length, TIP_TOLERANCES, units.format_length, "0.001mm")
     radians = _above_zero("--axis-tolerance", units.parse_angle, AXIS_TOLERANCES, units.format_angle, "0.01deg")
-    words = typed.tip_tolerance if typed.side == "both" else f"{typed.tip_tolerance},{typed.side}"
+    words = typed.tip_tolerance
+    if typed.side != "both":
+        # a side goes with one tolerance for all
+        words = f"{TIP_TOLERANCE if words == TOLERANCES_OF_PROGRAM.tip_tolerance else words},{typed.side}"
     if typed.side not in SIDES:
         raise UsageError(f"--side {typed.side[:40]}: {did_you_mean(typed.side, SIDES)}")
     of_tip = Tolerances.parse(words, metres, metres(TIP_TOLERANCE))
@@ -190,10 +193,12 @@ def feed_option(feed: str | None) -> str | None:
 
 def control_model(name: str | None) -> str | None:
     """The name of a model of a control, or None. Raises UsageError."""
-    from toolpace.controls.timing.figures import MODELS
+    from toolpace.controls.timing.figures import FORMER_MODELS, MODELS
 
     if name is None or name in MODELS:
         return name
+    if name in FORMER_MODELS:
+        raise UsageError(f"--model {name}: there is no such model any more; take {FORMER_MODELS[name]}")
     raise UsageError(f"--model '{name[:40]}' is not known; {did_you_mean(name, MODELS)}")
 
 

@@ -63,6 +63,8 @@ class Tolerances:
 
 
 USUAL_TOLERANCES = Tolerances()
+TOLERANCES_OF_PROGRAM = Tolerances(f"program,{TIP_TOLERANCE}", f"program,{AXIS_TOLERANCE}")
+"""What the program asks for itself; where it asks for none, the usual ones."""
 Effort = Annotated[
     str,
     Parameter(
@@ -247,8 +249,8 @@ ControllerToml = Annotated[bool, Switch, Parameter(name="--toml", help="Print th
 ControlModel = Annotated[
     str | None,
     Parameter(
-        help="Model of the control, in place of the one in its file: linuxcnc, lookahead, fir, or ideal (the optimum"
-        " itself)."
+        help="Model of the control, in place of the one in its file: linuxcnc, sinumerik, heidenhain, fanuc,"
+        " lookahead, or ideal (the optimum itself)."
     ),
 ]
 NoOptimum = Annotated[bool, Switch, Parameter(help="Leave the optimum out; then programs are not planned.")]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import ToolpaceError, printable
+from toolpace.common.units import MILLIMETRE
 from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ class Timed:
     optimum: float | None = None
     """[s], with the tool changes; None where it was not wanted."""
     assumed: tuple[str, ...] = ()
+    program_tolerance: tuple[float, float] | None = None
+    """The least and the widest tolerance of the tip that the program asks for [m]; None where it asks for none."""
+    model_tolerance: float | None = None
+    """That of the model where the program asks for none [m]; None where the model has none, or its own."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,8 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
 
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
+    import numpy as np
+
     from toolpace.controls.timing.program_time import figures_for, moves_of, of_operations, time_of_moves
     from toolpace.jobs.inspection import follow_as_planned
     from toolpace.programs.reading import Findings, Source
@@ -94,6 +101,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         time = of_operations(best, moves, change)
     else:
         time = time_of_moves(moves, request.machine, figures, change)
+    told = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
     least = sum(each.time for each in best) + time.sum("tool_change") if best else None
     return Timed(
         program,
@@ -104,6 +112,8 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         best=best,
         optimum=time.total if planned and waits_only else least,
         assumed=findings.assumptions,
+        program_tolerance=(float(told.min()), float(told.max())) if len(told) else None,
+        model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
     )
 
 
@@ -152,6 +162,12 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
             "optimum_s": best.get((part.name, part.tool)),
         }
         for part in time.parts
+    ]
+    told = found.program_tolerance
+    entry["program_tolerance_mm"] = None if told is None else [each / MILLIMETRE for each in told]
+    entry["exceeded"] = [
+        {"kind": each.kind, "axis": each.axis, "ratio": each.ratio, "corners": each.corners, "line": each.line}
+        for each in time.exceeded
     ]
     entry["assumed"] = [printable(sentence) for sentence in found.assumed]
     return entry

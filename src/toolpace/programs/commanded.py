@@ -60,9 +60,14 @@ class Commanded(ByValue):
     joining: Ints
     """(n,) BLENDED, EXACT_PATH or EXACT_STOP: how the move meets the next."""
     tolerance: Floats
-    """(n,) how far blending may leave the path [m] (P of G64); inf where the program does not say."""
+    """(n,) how far blending may leave the path [m] (P of G64, CYCLE832, cycle 32); inf where the program does not
+    say."""
     cam_tolerance: Floats
     """(n,) within which straight moves may be taken as one [m] (Q of G64); nan where the program does not say."""
+    dynamics: Floats
+    """(n, 3) what the program says of acceleration and corners, nan where it says nothing: 1 without and 0 with a limit
+    of jerk (BRISK, SOFT); 1 with and 0 without roundings (G641 to G645 and CYCLE832, G64); the set of limits in force
+    (0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS)."""
     dwell: Floats
     """(n,) time to wait at the end of the move [s]."""
     operation: Ints

@@ -10,7 +10,7 @@ import pytest
 from tests.support.timed_programs import MACHINE, A, J, machine, timed
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves
-from toolpace.kernels.controls import MOST, chains_of
+from toolpace.kernels.controls.chains import MOST, chains_of
 from toolpace.programs.reading import Source, read_commanded
 
 FEED = 2.0 / 60.0

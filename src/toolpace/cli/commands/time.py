@@ -20,7 +20,7 @@ from toolpace.cli.console import (
     short_names,
 )
 from toolpace.common.errors import UsageError, printable
-from toolpace.common.units import format_time
+from toolpace.common.units import format_length, format_time
 from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
 
 if TYPE_CHECKING:
@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
 MODELS = {
     "linuxcnc": "its own planner, cycle by cycle",
-    "lookahead": "corners rounded within a tolerance, limits of the axes, blocks looked ahead",
-    "fir": "pulses of velocity through moving averages, corners blended by overlap",
+    "sinumerik": "SOFT or BRISK, corners rounded in three phases within a tolerance",
+    "heidenhain": "jerk of axes and path, positions filtered, corners as slow as the filter's error asks for",
+    "fanuc": "differences of feed and acceleration at corners, by its parameters",
+    "lookahead": "corners rounded within a tolerance, limits of the axes and their jerk",
     "ideal": "the fastest motion within the limits of the axes",
 }
 """What each model of a control does, in words."""
@@ -83,6 +85,8 @@ def _show_page(console: Console, found: Timed, machine: str) -> None:
         ("time", format_time(time.total)),
         *((kind.replace("_", " "), format_time(time.sum(kind))) for kind in KINDS if time.sum(kind) > 0.0),
     ]
+    rows.append(("tolerance", _tolerance(found)))
+    rows += [("exceeds" if k == 0 else "", str(each)) for k, each in enumerate(time.exceeded)]
     if found.optimum is not None:
         rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time.total, found.optimum)}"))
     rows += [("assumed" if k == 0 else "", sentence) for k, sentence in enumerate(found.assumed)]
@@ -136,6 +140,22 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
         console.print(f"saving below zero: {FASTER}", soft_wrap=True)
 
 
+def _tolerance(found: Timed) -> str:
+    """Within which tolerance of the tip the control goes."""
+    told = found.program_tolerance
+    if found.model == "fanuc":
+        own = "none of the control's own: its parameters say how far corners are rounded"
+    elif found.model_tolerance is None:
+        own = "the control's own"
+    else:
+        own = format_length(found.model_tolerance)
+    if told is None:
+        return f"the program asks for none; {own}"
+    least, most = map(format_length, told)
+    wanted = least if least == most else f"{least} to {most}"
+    return f"{wanted}, as the program asks for" + (f"; {own}" if found.model == "fanuc" else "")
+
+
 def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
     return ("-", "-") if optimum is None else (format_time(optimum), f"{100.0 * (1.0 - optimum / total):.1f} %")
 
@@ -164,7 +184,7 @@ def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | No
     options, found = with_controller(source, request.dialect, request.options)
     figures = figures_for(options, request.model)
     if figures.model == "ideal":
-        raise UsageError("--fit: the model ideal has no figures; choose --model linuxcnc, lookahead or fir")
+        raise UsageError("--fit: the model ideal has no figures; choose another --model")
     console = new_console()
     steps = Steps(console)
     with steps.step("reading") as step:

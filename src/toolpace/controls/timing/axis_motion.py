@@ -34,6 +34,10 @@ class AxisWays:
     """(n, axes) the largest on the way."""
     bend: Floats
     """(n, axes) largest change of the rates a unit of length."""
+    bend_first: Floats
+    """(n, axes) the same with its sign at the start of arcs; 0 of straight words."""
+    bend_last: Floats
+    """(n, axes) the same at their end."""
 
     def caps(self, velocity: Floats, acceleration: Floats) -> Floats:
         """Most speed (n,) of each move, by velocity and by the acceleration that bends ask for."""
@@ -73,8 +77,9 @@ def _ways(moves: Commanded, machine: Machine, rows: slice, joints: bool) -> tupl
     rates = np.diff(axes, axis=1) * PIECES / unit
     first, last, most = rates[:, 0].copy(), rates[:, -1].copy(), np.abs(rates).max(axis=1)
     bend = np.abs(np.diff(rates, axis=1)).max(axis=1) * PIECES / unit[:, 0]
-    _arcs(moves, rows, machine, joints, (first, last, most, bend))
-    return length, first, last, most, bend
+    bend_first, bend_last = np.zeros_like(bend), np.zeros_like(bend)
+    _arcs(moves, rows, machine, joints, (first, last, most, bend, bend_first, bend_last))
+    return length, first, last, most, bend, bend_first, bend_last
 
 
 def _places(moves: Commanded, rows: slice, share: Floats) -> Floats:
@@ -112,10 +117,10 @@ def _arcs(
     rows: slice,
     machine: Machine,
     joints: bool,
-    rates: tuple[Floats, Floats, Floats, Floats],
+    rates: tuple[Floats, ...],
 ) -> None:
     """Put in the tangents of arcs, which are known: a circle turns too fast for differences."""
-    first, last, most, bend = rates
+    first, last, most, bend, bend_first, bend_last = rates
     still = np.abs(moves.way[rows, 3:]).max(axis=1, initial=0.0) == 0.0
     arcs = np.flatnonzero((moves.sweep[rows] > 0.0) & still)
     columns = np.ix_(arcs, linear_columns(machine))
@@ -128,6 +133,10 @@ def _arcs(
     reach = np.linalg.norm(in_plane, axis=2)
     most[columns] = np.maximum(reach, np.abs(first[columns]))
     bend[columns] = reach / moves.radius[rows][arcs][:, None]
+    for tangent, curvature in ((begin, bend_first), (end, bend_last)):
+        planar = tangent - (tangent * normal).sum(axis=1)[:, None] * normal
+        inward = np.cross(normal, planar) * np.linalg.norm(planar, axis=1)[:, None]
+        curvature[columns] = np.einsum("nij,nj->ni", turned, inward / moves.radius[rows][arcs][:, None])
 
 
 def _linear_map(machine: Machine, words: Floats, in_tip: Bools) -> Floats:

@@ -11,12 +11,15 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, in_short
 from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.controls.timing.makers import FanucFigures, HeidenhainFigures, SinumerikFigures
 from toolpace.machine.limits import Limits
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-MODELS = ("linuxcnc", "lookahead", "fir", "ideal")
+MODELS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal")
+FORMER_MODELS = {"fir": "heidenhain or fanuc, which filter as their makers say, or lookahead"}
+"""Models of former versions, and what to take in their place."""
 USUAL_TOLERANCE = 0.01
 """[mm]"""
 Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
@@ -26,28 +29,28 @@ Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
 class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a model of a control needs to know beside the machine; what is not given is the machine's, or usual."""
 
-    model: Literal["linuxcnc", "lookahead", "fir", "ideal"] = "lookahead"
+    model: Literal["linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal"] = "lookahead"
     tolerance: Positive | None = None
     """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
     axis_tolerance: Positive = 0.05
     """The same of turns [deg]."""
     compress: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)] | None = None
-    """Within which `lookahead` takes short blocks as one line, where the program does not say [mm]; 0: it takes none,
-    not given: the tolerance of corners."""
+    """Within which short blocks are taken as one line, where the program does not say [mm]; 0: none are, not given:
+    the tolerance of corners. `fanuc` and `linuxcnc` take none by it."""
     limits: Literal["joints", "words"] = "joints"
     """Whose limits are kept in tool-centre-point mode: the joints', or those of X, Y, Z of the tip."""
     acceleration: Positive | dict[str, Positive] = 1.0
     """Share of the machine's limits that is used; or by axis [mm/s^2, deg/s^2]."""
     jerk: Positive | dict[str, Positive] = 1.0
     """The same [mm/s^3, deg/s^3]."""
-    look_ahead: Annotated[int, msgspec.Meta(ge=0, le=1_000_000)] = 0
-    """Blocks that are known ahead; 0: all."""
+    look_ahead: Annotated[int, msgspec.Meta(ge=0, le=1_000_000)] | None = None
+    """Blocks that are read ahead; 0: all. Not given: 40 of `fanuc` (A-63512EN, page 3), 5000 of `heidenhain` (Technical
+    Manual MANUALplus 620, page 825), else all."""
     block_time: Time = 0.0
     """Least time of a block [s]: how fast blocks are read."""
-    ramp_time: Time = 0.0
-    """Length of the first moving average of `fir` [s]; 0: the machine's largest velocity over acceleration."""
-    smoothing_time: Time = 0.0
-    """Length of the second [s]; 0: the machine's largest acceleration over jerk."""
+    sinumerik: SinumerikFigures = SinumerikFigures()
+    heidenhain: HeidenhainFigures = HeidenhainFigures()
+    fanuc: FanucFigures = FanucFigures()
 
     @property
     def room(self) -> float:
@@ -65,6 +68,10 @@ def figures_of(table: Mapping[str, object], source: str, model: str | None = Non
     figures = dict(table)
     if model is not None:
         figures["model"] = model
+    if (former := str(figures.get("model"))) in FORMER_MODELS:
+        raise UsageError(
+            f"controller {source}, [time]: there is no model {former} any more; take {FORMER_MODELS[former]}"
+        )
     try:
         return msgspec.convert(figures, ControlFigures)
     except msgspec.ValidationError as error:

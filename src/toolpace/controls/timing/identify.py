@@ -38,12 +38,15 @@ STILL = 1e-9
 """Way of an axis [m, rad] that is none."""
 SEARCHED: dict[str, tuple[str, ...]] = {
     "linuxcnc": ("tolerance",),
+    "sinumerik": ("tolerance", "jerk"),
+    "heidenhain": ("tolerance", "jerk"),
+    "fanuc": ("fanuc.corner_difference", "jerk"),
     "lookahead": ("tolerance", "jerk"),
-    "fir": ("tolerance", "ramp_time", "smoothing_time"),
 }
-"""Figures that are searched for each model, beside the accelerations, which the log tells by itself."""
+"""Figures that are searched for each model, beside the accelerations, which the log tells by itself; those of a
+maker's table with its name."""
 TRIED = np.geomspace(0.02, 50.0, 12)
-"""Factors of the tolerance that are tried first: there may be more than one that fits nearly."""
+"""Factors of the first figure that are tried first: there may be more than one that fits nearly."""
 FARTHEST = math.log(1e3)
 """Most by which a figure leaves what the search begins with, as a logarithm: a log may tell nothing of it."""
 SPANS = (1, 2, 3, 5, 8, 13, 21)
@@ -52,8 +55,6 @@ KEPT_UP = 3
 """Rows over which an acceleration is kept up that counts."""
 NOISE = 0.02
 """Most of an acceleration that may be noise."""
-USUAL = {"ramp_time": 0.05, "smoothing_time": 0.02}
-"""Where a search begins that has no figure to begin at."""
 WORST = 0.5
 """Misfit over the duration from which a log is no log of the program."""
 
@@ -164,7 +165,7 @@ def identify(moves: Commanded, machine: Machine, log: MotionLog, figures: Contro
     far, when = _progress(moves, machine, log)
 
     def differences(figures: ControlFigures) -> Floats:
-        times = model(moves, machine, figures)
+        times = model(moves, machine, figures).times
         end = np.cumsum(times + moves.dwell) - moves.dwell
         return np.asarray(np.append(end[far] - when, end[-1] - log.duration))
 
@@ -239,9 +240,14 @@ def _with_accelerations(figures: ControlFigures, machine: Machine, found: Floats
 def _scaled(start: ControlFigures, names: tuple[str, ...], factors: Floats) -> ControlFigures:
     changed: dict[str, object] = {}
     for name, factor in zip(names, factors.tolist()):
+        maker, point, figure = name.partition(".")
+        if point:
+            table = getattr(start, maker)
+            changed[maker] = msgspec.structs.replace(table, **{figure: getattr(table, figure) * factor})
+            continue
         value = getattr(start, name)
         if isinstance(value, dict):
-            changed[name] = {axis: figure * factor for axis, figure in value.items()}
+            changed[name] = {axis: limit * factor for axis, limit in value.items()}
         else:
-            changed[name] = (value or USUAL.get(name, 1.0)) * factor
+            changed[name] = value * factor
     return msgspec.structs.replace(start, **changed)

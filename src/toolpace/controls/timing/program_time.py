@@ -11,9 +11,14 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
-from toolpace.controls.timing.axis_models import filtered_times, lookahead_times, rests, room_of
+from toolpace.controls.timing.blocks import MotionProfile, rests, room_of
+from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
+from toolpace.controls.timing.fanuc import fanuc_profile
 from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
+from toolpace.controls.timing.heidenhain import heidenhain_profile
 from toolpace.controls.timing.linuxcnc import linuxcnc_times
+from toolpace.controls.timing.lookahead import lookahead_profile
+from toolpace.controls.timing.sinumerik import sinumerik_profile
 from toolpace.programs.commanded import BLENDED, Commanded
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
 from toolpace.programs.reading.coordinates.setup import SetUp
@@ -27,19 +32,25 @@ if TYPE_CHECKING:
     from toolpace.programs.reading import Controller
     from toolpace.programs.toolpath import Operation
 
-Model = Callable[[Commanded, "Machine", ControlFigures], Floats]
-"""Time of each move (n,) [s], dwells left out."""
+Model = Callable[[Commanded, "Machine", ControlFigures], MotionProfile]
 STILL = 1e-12
 """Way of the tip [m] below which it stands."""
 
 
-def _linuxcnc_times(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
+def _linuxcnc_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
     """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
     rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    return linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
+    times = linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
+    return MotionProfile(times, np.full(len(times), np.nan))
 
 
-MODELS: dict[str, Model] = {"linuxcnc": _linuxcnc_times, "lookahead": lookahead_times, "fir": filtered_times}
+MODELS: dict[str, Model] = {
+    "linuxcnc": _linuxcnc_profile,
+    "sinumerik": sinumerik_profile,
+    "heidenhain": heidenhain_profile,
+    "fanuc": fanuc_profile,
+    "lookahead": lookahead_profile,
+}
 
 
 @dataclass(frozen=True)
@@ -70,6 +81,8 @@ class ProgramTime:
     """By operation, in the order of the program."""
     times: Floats
     """(n,) of each move, with its dwell [s]; empty where moves are not told apart."""
+    exceeded: tuple[ExceededLimit, ...] = ()
+    """Limits of axes that the control exceeds at corners, by the rules of its maker."""
 
     @property
     def total(self) -> float:
@@ -86,8 +99,11 @@ def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, t
 
     A program that only waits takes what it waits.
     """
-    times = MODELS[figures.model](moves, machine, figures) if len(moves) > 1 else np.zeros(len(moves))
-    return ProgramTime(tuple(parts_of(moves, times, tool_change)), times + moves.dwell)
+    if len(moves) < 2:
+        return ProgramTime(tuple(parts_of(moves, np.zeros(len(moves)), tool_change)), moves.dwell.copy())
+    profile = MODELS[figures.model](moves, machine, figures)
+    exceeded = exceeded_limits(moves, machine, figures, profile)
+    return ProgramTime(tuple(parts_of(moves, profile.times, tool_change)), profile.times + moves.dwell, exceeded)
 
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
@@ -147,7 +163,8 @@ def program_time(
     """How long a program takes on a control as it is written, without a plan.
 
     controller: a built-in controller or a file (TOML), whose table [time] describes how it goes through blocks; None
-        tells it by the program's content. model: `linuxcnc`, `lookahead` or `fir`, in place of what the file says.
+        tells it by the program's content. model: `linuxcnc`, `sinumerik`,
+        `heidenhain`, `fanuc` or `lookahead`, in place of what the file says.
     feed, setup, dialect: as of `read`. Cutter-location data are timed as a post would write them, tool-centre-point
         mode on.
 
@@ -221,6 +238,7 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
         joining=np.full(count, BLENDED),
         tolerance=np.full(count, np.inf),
         cam_tolerance=np.full(count, np.nan),
+        dynamics=np.full((count, 3), np.nan),
         dwell=toolpath.dwell,
         operation=toolpath.operation,
         operations=toolpath.operations,

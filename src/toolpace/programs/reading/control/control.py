@@ -180,6 +180,10 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     # where the words change their meaning the control waits, too
     stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)
     joining = table.joining[kept]
+    blending, of_cycle = joining[:, 1], table.tolerance[kept, 0]
+    if np.isinf(blending).all():
+        # the words for blending tell no tolerance: what a cycle asks for counts (CYCLE832, cycle 32, G187)
+        blending = np.where(np.isnan(of_cycle), np.inf, of_cycle)
     ways = _Ways(way[kept])
     for entry, row in enumerate(kept.tolist()):
         if row in table.arcs:
@@ -204,8 +208,9 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         line=line[kept].astype(np.int64),
         stop=stop,
         joining=joining[:, 0].astype(np.int64),
-        tolerance=joining[:, 1],
+        tolerance=blending,
         cam_tolerance=joining[:, 2],
+        dynamics=table.dynamics[kept],
         dwell=np.add.reduceat(table.dwell, kept),
         operation=operation[kept].astype(np.int64),
         operations=facts.operations,
@@ -261,5 +266,5 @@ def _with_chords(table: MoveTable) -> MoveTable:
     return MoveTable(
         position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
         {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
-        table.joining[of], table.tolerance[of], table.normal[of],
+        table.joining[of], table.tolerance[of], table.normal[of], table.dynamics[of],
     )  # fmt: skip

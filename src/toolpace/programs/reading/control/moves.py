@@ -94,6 +94,17 @@ class ProgramTolerance(NamedTuple):
     """[rad]"""
 
 
+class Dynamics(NamedTuple):
+    """What the program says of the control's acceleration and of corners; nan where it says nothing."""
+
+    brisk: float = math.nan
+    """1: without limit of jerk (BRISK), 0: with one (SOFT)."""
+    rounded: float = math.nan
+    """1: corners are rounded within a tolerance (G641 to G645, CYCLE832), 0: they are not (G64)."""
+    mode: float = math.nan
+    """Set of limits that is in force: 0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS."""
+
+
 class Stage(Protocol):
     """What may stand between the motions of a program and the moves, and lays other ways in their place."""
 
@@ -144,6 +155,8 @@ class Moves:
         """Unit vectors out of the part at the ends of rows, on the part."""
         self.tolerance: list[tuple[int, ProgramTolerance]] = [(0, ProgramTolerance())]
         """How far rows may stray, from which on."""
+        self.dynamics: list[tuple[int, Dynamics]] = [(0, Dynamics())]
+        """Acceleration and corners of rows, from which on."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -195,6 +208,10 @@ class Moves:
         changed = {name: value if value > 0.0 else math.nan for name, value in tolerances.items()}
         self.tolerance.append((len(self.rows), self.tolerance[-1][1]._replace(**changed)))
 
+    def drive(self, **dynamics: float) -> None:
+        """Note what the program says of acceleration and corners from now on: fields of Dynamics."""
+        self.dynamics.append((len(self.rows), self.dynamics[-1][1]._replace(**dynamics)))
+
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
         self.stop()
@@ -227,6 +244,7 @@ class Moves:
         switched[last[list(self.switched)]] = True
         joining = self._from_then_on(self.joinings)[expansion.row]
         tolerance = self._from_then_on(self.tolerance)[expansion.row]
+        dynamics = self._from_then_on(self.dynamics)[expansion.row]
         normal = np.full((len(array), 3), np.nan)
         for i, out in self.normals.items():
             normal[last[i]] = out
@@ -245,7 +263,7 @@ class Moves:
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(
             array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, tolerance,
-            normal[first:],
+            normal[first:], dynamics[first:],
         )  # fmt: skip
 
     def _from_then_on(self, changes: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
@@ -291,6 +309,8 @@ class MoveTable(NamedTuple):
     """(n, 2) ProgramTolerance of each row."""
     normal: Floats
     """(n, 3) out of the part at the end of each row; nan where none was told."""
+    dynamics: Floats
+    """(n, 3) Dynamics of each row."""
 
 
 class Operations:

@@ -22,6 +22,8 @@ OLD_MODE = 1000
 """CYCLE832 modes from here on are those of old controls, whose hundreds switch TRAORI."""
 TOP_SURFACE = 1_000_000
 BOTH = "TRAORI and a plane of CYCLE800 together: the plane stays where it lies on the part"
+PRECISION = 4
+"""Mode of CYCLE832, the last one; 1 is finishing, 2 semi-finishing, 3 roughing."""
 STILL = ("MSG", "FGROUP", "CYCLE832")
 """Commands that may stand beside motion, and change no place."""
 MOST_TRANSFORMATIONS = 4
@@ -155,6 +157,9 @@ class Commands:
             tip=0.0 if off else arguments.number(0) * self.state.unit,
             axis=math.radians(arguments.number(2)) if turning and not off else 0.0,
         )
+        # the cycle switches SOFT, roundings and the limits of its mode on (Cycles, CYCLE832)
+        named = {} if off else {"brisk": 0.0, "rounded": 1.0}
+        self.control.moves.drive(mode=float(mode % 10 if mode % 10 <= PRECISION else 0), **named)
         if off:
             if self._exact_stop_before is not None:
                 self.state.exact_stop, self._exact_stop_before = self._exact_stop_before, None

@@ -18,7 +18,7 @@ from toolpace.programs.reading.sinumerik.flow.interpreter import Interpreter, va
 from toolpace.programs.reading.sinumerik.frames import PROGRAMMED
 from toolpace.programs.reading.sinumerik.motion import AXES, OF_ARCS
 from toolpace.programs.reading.sinumerik.run import Modal, Run
-from toolpace.programs.reading.sinumerik.state import MODES, TOLERANCES, apply, fault_of
+from toolpace.programs.reading.sinumerik.state import DYNAMICS, MODES, TOLERANCES, apply, fault_of
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block, Call
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value, real, shown
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, check_settled, number
@@ -189,6 +189,8 @@ class Executor:
                 self.compensation.change_rules(code)
             elif code in OTHER_PLANES:
                 self.tooling.plane_changed()
+            if code == "G64" or code in TOLERANCES:
+                self.control.moves.drive(rounded=float(code in TOLERANCES))
             if code in TOLERANCES:
                 self.control.findings.ignored(code)
         elif code in IN_MACHINE:
@@ -216,6 +218,7 @@ class Executor:
             self.meanings[meaning](now)
         elif meaning == "ignored":
             self.findings.ignored(code)
+            self.control.moves.drive(**DYNAMICS.get(code, {}))
         elif code in self.commands.known:
             self.commands.perform(code, [])
         elif code[1:].isdigit() and code[0] == "M":

@@ -131,6 +131,13 @@ SETS: dict[str, dict[str, object]] = {
     **{key: {"angles": VIRTUAL} for key in ("ORIVIRT1", "ORIVIRT2")},
 }
 """What each word sets, and that alone (Programming Manual Fundamentals 12.3; Job Planning 7.2)."""
+MODES_OF_LIMITS = ("DYNNORM", "DYNFINISH", "DYNSEMIFIN", "DYNROUGH", "DYNPREC", "DYNPOS")
+DYNAMICS = {
+    "SOFT": {"brisk": 0.0},
+    "BRISK": {"brisk": 1.0},
+    **{word: {"mode": float(mode)} for mode, word in enumerate(MODES_OF_LIMITS)},
+}
+"""What words say of the control's acceleration, as `Moves.drive` takes it."""
 TOLERANCES = ("G641", "G642", "G643", "G644", "G645")
 """Blending within a tolerance that is set elsewhere."""
 

@@ -1,0 +1,1 @@
+"""Kernels of control models: the speed from block to block."""
