@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import did_you_mean
-from toolpace.machine.figures import USUAL
 from toolpace.machine.from_control.control_file import ControlFileError
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, Value
+from toolpace.machine.plausibility import USUAL
 
 JERK_PER_ACCELERATION = 10.0
 """[1/s]"""

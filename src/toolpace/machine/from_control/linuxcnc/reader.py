@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from toolpace.machine.figures import LONGEST_NAME
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
 from toolpace.machine.from_control.linuxcnc.hal import read_hal
 from toolpace.machine.from_control.linuxcnc.ini import Ini, check_is_new, read_ini
@@ -17,6 +16,7 @@ from toolpace.machine.from_control.linuxcnc.tables_and_heads import ALONG, CHAIN
 from toolpace.machine.from_control.linuxcnc.unplaced_axes import place
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.stand_ins import Answers
+from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "LinuxCNC"
 TOLD_BY = "an INI with [KINS] or [TRAJ]"

@@ -6,12 +6,12 @@ their place that are held at zero, since every machine here has two.
 
 from __future__ import annotations
 
-from toolpace.machine.figures import USUAL
 from toolpace.machine.from_control.linuxcnc.limits import TURNING
 from toolpace.machine.from_control.linuxcnc.loaded import Module
 from toolpace.machine.from_control.linuxcnc.tables_and_heads import ALONG
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.stand_ins import Question
+from toolpace.machine.plausibility import USUAL
 
 HELD = 0.001
 """Travel to either side of zero of an axis that the machine does not have [deg]."""
