@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from toolpace.common.errors import ToolpaceError, UnitWarning
     from toolpace.common.workers import Progress, Workers
     from toolpace.controls.export import Exported, ReadBack, export
+    from toolpace.controls.timing.exceeded import ExceededLimit
     from toolpace.controls.timing.program_time import PartTime, ProgramTime, program_time
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
@@ -92,6 +93,7 @@ __all__ = [
     "CuttingTool",
     "EndState",
     "Engagement",
+    "ExceededLimit",
     "Exported",
     "Follower",
     "FoundSetUp",
@@ -199,6 +201,7 @@ _HOME = {
     "OpenPlace": "motion.trajectory",
     "Operation": "programs.toolpath",
     "Optimal": "planning.optimal.planner",
+    "ExceededLimit": "controls.timing.exceeded",
     "PartTime": "controls.timing.program_time",
     "Path": "path.path",
     "PathJet": "path.run",

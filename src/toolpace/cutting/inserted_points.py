@@ -117,7 +117,7 @@ def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floa
         normal=no_normals(),
         rotary=rotary,
         rotary_joints=() if rotary is None else tuple(machine.geometry.rotary_joints),
-        **toolpath.columns_at(origin, own),
+        **columns_at(toolpath, origin, own),
     )
 
 

@@ -222,24 +222,6 @@ class ToolPath(ByValue):
         length: Floats = np.linalg.norm(self.way, axis=1)
         return length
 
-    def columns_at(self, origin: Ints, own: Bools) -> dict[str, Any]:
-        """The columns, beside poses and times, of a path with points put into its moves.
-
-        Each point is put before or at the point `origin` (k,) of this path, and is that point itself where `own` (k,).
-        """
-        return {
-            "feed": self.feed[origin],
-            "block": self.block[origin],
-            "stop": self.stop[origin] & own,
-            "dwell": np.where(own, self.dwell[origin], 0.0),
-            "rapid": self.rapid[origin],
-            "operation": self.operation[origin],
-            "tip_tolerance": self.tip_tolerance[origin],
-            "axis_tolerance": self.axis_tolerance[origin],
-            "tool_length": self.tool_length[origin],
-            "bow": self.bow[origin],
-        }
-
     def part(self, first: int, last: int) -> ToolPath:
         """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
         n, kept = len(self), slice(first, last + 1)
@@ -281,3 +263,22 @@ def check_toolpath(toolpath: object, asks: str) -> None:
     if isinstance(toolpath, ToolPath):
         return
     raise UsageError(f"{asks}: {type(toolpath).__name__} in place of a tool path; give what tp.read returns")
+
+
+def columns_at(toolpath: ToolPath, origin: Ints, own: Bools) -> dict[str, Any]:
+    """The columns, beside poses and times, of a path with points put into its moves.
+
+    Each point is put before or at the point `origin` (k,) of the path, and is that point itself where `own` (k,).
+    """
+    return {
+        "feed": toolpath.feed[origin],
+        "block": toolpath.block[origin],
+        "stop": toolpath.stop[origin] & own,
+        "dwell": np.where(own, toolpath.dwell[origin], 0.0),
+        "rapid": toolpath.rapid[origin],
+        "operation": toolpath.operation[origin],
+        "tip_tolerance": toolpath.tip_tolerance[origin],
+        "axis_tolerance": toolpath.axis_tolerance[origin],
+        "tool_length": toolpath.tool_length[origin],
+        "bow": toolpath.bow[origin],
+    }

@@ -15,7 +15,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
 from toolpace.programs.tolerances import Tolerances
-from toolpace.programs.toolpath import ToolPath
+from toolpace.programs.toolpath import ToolPath, columns_at
 
 LEAST_CELL = 1e-7
 """Shorter cells count as repeated points [tolerances]."""
@@ -267,7 +267,7 @@ def inserted(toolpath: ToolPath, entry: Ints, count: Ints) -> tuple[ToolPath, In
         tip=np.concatenate([toolpath.tip[:1], tip]),
         axis=np.concatenate([toolpath.axis[:1], axis]),
         least_time=toolpath.least_time[origin],
-        **toolpath.columns_at(origin, ends),
+        **columns_at(toolpath, origin, ends),
     )
     return dense, entry[origin]
 
