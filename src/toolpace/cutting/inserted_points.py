@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import great_circle
-from toolpace.programs.toolpath import ToolPath, no_normals
+from toolpace.programs.toolpath import ToolPath, columns_at, no_normals
 
 PARTS = 48
 """Points over the length of a blend: straight lines between them miss the blend by 0.2 percent of the bending."""
