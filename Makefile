@@ -31,11 +31,12 @@ test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true
 
 check: $(VENV)/.base $(VENV)/.check  ## lint, types (Linux, Windows, macOS), import contracts
 	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/mypy --platform win32
-	$(BIN)/mypy --platform darwin
+	$(MAKE) --no-print-directory -j 2 types-linux types-win32 types-darwin
 	$(BIN)/lint-imports
 	$(BIN)/python tools/census.py --strict
+
+types-%: $(VENV)/.base $(VENV)/.check
+	$(BIN)/mypy --platform $* --cache-dir .mypy_cache/$*
 
 docs: $(VENV)/.base $(VENV)/.docs  ## the documentation as a site, with the pictures of the examples; any warning fails
 	$(BIN)/sphinx-build -E -W --keep-going -n -q -b html docs $(SITE)

@@ -114,6 +114,11 @@ def _share_out(work: Work, kept: Store, tell: Tell) -> bool:
             worker.wait()
         for thread in threads:
             thread.join()
+        for worker in workers:
+            for pipe in (worker.stdin, worker.stdout):
+                with contextlib.suppress(OSError):  # what could not be written to a worker that is gone
+                    if pipe is not None:
+                        pipe.close()
     return not work.left
 
 
