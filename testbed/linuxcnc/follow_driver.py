@@ -7,6 +7,7 @@ doubles: joints, deflection) and `ended.json`.
 
 import json
 import math
+import os
 import random
 import sys
 import time
@@ -17,6 +18,7 @@ import linuxcnc
 from driver import Session
 
 WAITING, ENDED = Path("waiting"), Path("component-may-go")
+"""The first holds the number of this process."""
 PATIENCE = 60.0
 """Longest wait for the component, to come or to go [s]."""
 COMPONENT = "toolpace"
@@ -92,7 +94,9 @@ def operate(now, orders):
 def follow(asked, session, out):
     """From enable to the end of the path and a while beyond, then until the component is gone; whether all came."""
     sensor = Sensor(asked["seed"], asked["most"])
-    WAITING.touch()
+    part = Path("waiting.part")
+    part.write_text(str(os.getpid()), encoding="ascii")
+    part.rename(WAITING)
     if not until(lambda: hal.component_exists(COMPONENT) and hal.component_is_ready(COMPONENT)):
         return "the component did not come"
     connect()

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from testbed.linuxcnc.instance import LinuxCNCError, execute, folder, last_words
+from testbed.linuxcnc.instance import LinuxCNCError, beside, execute, folder, last_words
 from toolpace.common.arrays import Floats
 
 JOINTS = 5
@@ -79,6 +79,7 @@ def _component(place: Path, running: Future[str], arguments: list[str]) -> str:
     if not _until(lambda: (place / "waiting").exists() or running.done()) or running.done():
         return "was not started"
     command = [sys.executable, "-m", "toolpace", "follow", *arguments, "--record", str(place / "given.csv")]
+    command = [*beside(int((place / "waiting").read_text())), *command]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         while process.poll() is None and not (place / "component-may-go").exists() and not running.done():

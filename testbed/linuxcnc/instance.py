@@ -109,6 +109,14 @@ def _own_shared_memory() -> list[str]:
     return command if granted else []
 
 
+def beside(process: int) -> list[str]:
+    """What starts a command with the shared memory of a process of LinuxCNC's; empty where that is everybody's."""
+    if not _own_shared_memory():
+        return []
+    user = [] if os.geteuid() == 0 else ["--user", "--preserve-credentials"]
+    return ["nsenter", f"--target={process}", *user, "--ipc"]
+
+
 def _without_rights(place: Path) -> list[str]:
     """What starts a command as nobody where we are root, and its folder given to him; empty for any other user."""
     if os.geteuid() != 0:

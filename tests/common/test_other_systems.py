@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from toolpace.jobs.batch.folder import MARK, batch_folder
+from toolpace.kernels import lock
+
 HIDE = """
 import ctypes, os, sys
 hidden = sys.argv.pop(1).split(",")
@@ -65,13 +68,21 @@ def test_the_set_points_are_those_of_this_system(tmp_path):
 
 @pytest.mark.sweep
 def test_a_batch_runs_on_two_workers(tmp_path):
-    programs = tmp_path / "parts"
+    """With `fcntl` and `resource`, which the library of the workers needs on all systems but Windows."""
+    programs, out = tmp_path / "parts", tmp_path / "out"
     programs.mkdir()
     for feed in (500, 1000):
         (programs / f"part-{feed}.ngc").write_text(PROGRAM.replace("F1000", f"F{feed}"))
-    words = ("batch", str(programs), "-m", "xyzac-trunnion", "--workers", "2", "-o", str(tmp_path / "out"))
-    run(ALL, "if __name__ == '__main__':\n" + "\n".join("    " + line for line in COMMAND.splitlines()), *words)
-    assert len(list(Path(tmp_path / "out").glob("part-*/plan.json"))) == 2
+    guarded = "if __name__ == '__main__':\n" + "\n".join("    " + line for line in COMMAND.splitlines())
+    words = ("batch", str(programs), "-m", "xyzac-trunnion", "--workers", "2", "-o", str(out))
+    run("renameat2,sched_getaffinity,mallopt", guarded, *words)
+    assert len(list(out.glob("part-*/plan.json"))) == 2
+
+
+def test_a_folder_of_a_batch_is_made_where_nothing_can_be_locked(tmp_path, monkeypatch):
+    monkeypatch.setattr(lock, "_module", lambda name: None)
+    with batch_folder(tmp_path / "out") as place:
+        assert (Path(place.folder) / MARK).read_text() == place.token
 
 
 def test_what_the_system_does_not_tell_has_a_value():
