@@ -59,7 +59,7 @@ def test_code_does_not_depend_on_what_was_compiled_before(tmp_path):
         assert intermediate == apart[file][1], file
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 def test_two_caches_filled_apart_give_the_same_bits(tmp_path):
     just_compiled = run(PLAN, tmp_path / "one", 1)
     loaded = run(PLAN, tmp_path / "one", 2)
