@@ -29,9 +29,9 @@ demo: $(VENV)/.base  ## plan the bundled part on a bundled machine and name the 
 test: $(VENV)/.base $(VENV)/.test  ## all tests a person waits for; with CI=true the long sweeps too
 	$(BIN)/python -m pytest -n 2 --dist worksteal $(PYTEST)
 
-check: $(VENV)/.base $(VENV)/.check  ## lint, types (Linux, Windows, macOS), import contracts
+check: $(VENV)/.base $(VENV)/.check  ## lint, types (Linux, Windows; make types-darwin for macOS), import contracts
 	$(BIN)/ruff check .
-	$(MAKE) --no-print-directory -j 2 types-linux types-win32 types-darwin
+	$(MAKE) --no-print-directory -j 2 types-linux types-win32
 	$(BIN)/lint-imports
 	$(BIN)/python tools/census.py --strict
 
