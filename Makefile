@@ -69,6 +69,7 @@ bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers
 	$(BIN)/python -m benchmarks.tolerances
 	$(BIN)/python -m benchmarks.efforts
 	$(BIN)/python -m benchmarks.reading
+	$(BIN)/python -m benchmarks.first_minutes
 
 clean:  ## remove what was made
 	rm -rf $(VENV) out docs/gallery $(filter-out docs/benchmarks/index.md,$(wildcard docs/benchmarks/*.md)) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

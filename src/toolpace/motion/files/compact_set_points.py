@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import os
 from itertools import islice
-from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -22,7 +21,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.common.files import reason, whole_file
+from toolpace.common.files import whole_file
+from toolpace.common.files.binary import read_binary
 from toolpace.common.workers import Workers
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.set_point_prediction import KINDS, jets_of, residuals
@@ -38,7 +38,6 @@ LONGEST_HEAD = 1 << 16
 """Most bytes of the line of JSON."""
 AT_ONCE = 64
 """Blocks that are packed before they are written."""
-_CURE = "plan again, into a new folder"
 
 
 def write_compact(path: str | os.PathLike[str], points: SetPoints, machine: Machine) -> None:
@@ -56,18 +55,7 @@ def write_compact(path: str | os.PathLike[str], points: SetPoints, machine: Mach
 def read_compact(path: str | os.PathLike[str], machine: Machine) -> SetPoints:
     """Read what `write_compact` wrote for this machine. Raises UsageError, naming the file, where it is missing,
     damaged, cut short or another thing."""
-    source = Path(path)
-    try:
-        with source.open("rb") as stream:
-            return _read(stream, machine)
-    except FileNotFoundError:
-        raise UsageError(f"{source}: no such file; `toolpace plan` writes it") from None
-    except OSError as error:
-        raise UsageError(f"{source}: cannot read: {reason(error)}") from None
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise UsageError(f"{source}: damaged or not a set-points file; {_CURE}") from None
-    except UsageError as error:
-        raise UsageError(f"{source}: {error}; {_CURE}") from None
+    return read_binary(path, lambda stream: _read(stream, machine), "`toolpace plan` writes it", "a set-points file")
 
 
 def _read(stream: BinaryIO, machine: Machine) -> SetPoints:

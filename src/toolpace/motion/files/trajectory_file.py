@@ -13,15 +13,14 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import msgspec
 import numpy as np
 
 from toolpace.common.arrays import Ints
-from toolpace.common.errors import UsageError
-from toolpace.common.files import reason, whole_file
+from toolpace.common.files import whole_file
+from toolpace.common.files.binary import read_binary
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.packed_splines import left_of_splines, splines_of
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
@@ -117,16 +116,8 @@ def write_trajectory(path: str | os.PathLike[str], axis_path: AxisPath, laws: Se
 def read_trajectory(path: str | os.PathLike[str], machine: Machine) -> tuple[AxisPath, tuple[TimeLaw, ...]]:
     """The joint path on a machine and its speed laws. Raises UsageError, naming the file, where it is missing, damaged
     or another thing."""
-    source = Path(path)
-    try:
-        with source.open("rb") as stream:
-            return _read(stream, machine)
-    except FileNotFoundError:
-        raise UsageError(f"{source}: no such file; `toolpace plan` writes it for what it plans itself") from None
-    except OSError as error:
-        raise UsageError(f"{source}: cannot read: {reason(error)}") from None
-    except (ValueError, KeyError, TypeError, IndexError, ArithmeticError, RecursionError):
-        raise UsageError(f"{source}: damaged or not a trajectory; plan again, into a new folder") from None
+    missing = "`toolpace plan` writes it for what it plans itself"
+    return read_binary(path, lambda stream: _read(stream, machine), missing, "a trajectory")
 
 
 def _read(stream: BinaryIO, machine: Machine) -> tuple[AxisPath, tuple[TimeLaw, ...]]:
