@@ -22,6 +22,9 @@ BINDING = 0.995
 """Share of a limit from which it counts as binding."""
 LOOK = 1e-3
 """Share by which a peak may be higher than what is said of it: far below a limit, peaks are looked for at places."""
+ROUNDED = 1e-5
+"""Share of a jerk limit, held over the time steps between, by which columns of derivatives may be rounded: a tenth of
+what is granted to the limit."""
 DWELLS = 1e-9
 """The same for dwells, which are known."""
 KINDS = ("velocity", "acceleration", "jerk")
@@ -68,9 +71,10 @@ class UsageFigures:
                     if math.isfinite(next_limit):
                         room = 0.5 * dt * next_limit * _number(usage[next_kind], joint)
                 # Of a limit that is none, nothing is used; of one that no number of the plan bounds, too much.
-                peak, hidden = (shown / limit, room / limit) if math.isfinite(limit) else (0.0, 0.0)
-                least = peak * (1.0 - LOOK) - 1e-12
-                most = min((peak + hidden) * (1.0 + TOLERANCE) + 1e-9, 1.0 + TOLERANCE)
+                shares = (shown / limit, room / limit, self.rounding(j, order) / limit)
+                peak, hidden, rounded = shares if math.isfinite(limit) else (0.0, 0.0, 0.0)
+                least = peak * (1.0 - LOOK) - rounded - 1e-12
+                most = min((peak + hidden) * (1.0 + TOLERANCE) + rounded + 1e-9, 1.0 + TOLERANCE)
                 above.append(said)
                 if not least <= said <= most:
                     note = f"by the set-points {least:.6g} to {most:.6g}"
@@ -80,6 +84,15 @@ class UsageFigures:
             worst = max([*above, float(usage["feed"])])
             checks.append(Check("plan.json usage", worst, 1.0, "", worst <= 1.0 + TOLERANCE, note="of each limit"))
         return checks
+
+    def rounding(self, j: int, order: int) -> float:
+        """By how much a joint's velocity, acceleration or jerk (order 0 to 2) may be off in the set-points.
+
+        The smallest change of position that its limits allow in a step tells it.
+        """
+        limits = self.machine.limits
+        change = min(float(getattr(limits, kind)[j]) * self.dt**steps for steps, kind in enumerate(KINDS, 1))
+        return ROUNDED * change / self.dt ** (order + 1)
 
     def of_feed(self) -> list[Check]:
         """The use of the feed."""
