@@ -22,8 +22,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, UsageError
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import one_line
-from toolpace.cutting.inserted_points import Places, places_of
-from toolpace.cutting.prediction import cut_of_way, parameters, predicted_bending
+from toolpace.cutting.prediction import Places, cut_of_way, parameters, places_of, predicted_bending
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory

@@ -14,7 +14,7 @@ from toolpace.programs.reading import Findings, ReadOptions, Source, read_comman
 from toolpace.programs.reading.controllers.doubt import thinned
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.languages import with_controller
-from toolpace.results.write.reading_options import read_again, reading_record, write_how_read
+from toolpace.results.write.result import read_again, reading_record, write_how_read
 
 HEAD = "G21 G90 G0 X0 Y0 Z5\nG1 X10 F600\n"
 CURE = "--controller"

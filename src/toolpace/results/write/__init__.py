@@ -24,8 +24,17 @@ from toolpace.motion.files.set_point_files import (
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.results.write.csv import write_csv
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
-from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
-from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
+from toolpace.results.write.result import (
+    CONTROLLER,
+    SETUP,
+    TOOL,
+    PlanResult,
+    bent_tool,
+    copy_name,
+    read_again,
+    reading_record,
+    write_how_read,
+)
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
