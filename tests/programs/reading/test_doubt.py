@@ -11,7 +11,7 @@ import toolpace as tp
 from testbed.recognised import OUTCOMES, RANDOM, main, random_outcomes
 from toolpace.common.errors import UsageError
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source, read_text
-from toolpace.programs.reading.controllers.doubt import thinned
+from toolpace.programs.reading.controllers.recognise import thinned
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.languages import with_controller
 from toolpace.results.write.result import read_again, reading_record, write_how_read

@@ -1,4 +1,7 @@
-"""The spline of a run during the fit, and its deviation from the polyline in both directions, between samples too.
+"""The spline of a run during the fit, its basis, and its deviation from the polyline in both directions.
+
+The basis is that of de Boor, A Practical Guide to Splines, chapter X, in arrays, and to the bit what
+scipy.interpolate.BSpline gives; that import takes half as long as a short plan.
 
 Curve and polyline are compared at the same parameter. That pairs every point of one with a point of the other in
 order along both, so the largest difference bounds the distance from the curve to the polyline, that from the polyline
@@ -21,6 +24,49 @@ CLOSE = 0.9
 """Maxima above this share of the tolerance are looked at more closely."""
 CLOSER = 6
 """Into how many parts the stretches on both sides of such a maximum are cut."""
+
+
+def cells_of(knots: Floats, degree: int, at: Floats) -> Ints:
+    """(n,) the cell k of each place, knots[k] <= at < knots[k + 1]; of a place outside the first or last one.
+
+    knots (m,) not falling, at (n,).
+    """
+    cell = np.searchsorted(knots, at, side="right") - 1
+    return np.asarray(np.clip(cell, degree, len(knots) - degree - 2), dtype=np.int64)
+
+
+def nonzero_basis(knots: Floats, degree: int, cell: Ints, at: Floats, order: int = 0) -> Floats:
+    """(n, degree + 1) a derivative of the B-splines cell - degree to cell, at places (n,) in cells (n,).
+
+    The cells are not empty: then no difference of knots is zero.
+    """
+    basis = np.zeros((degree + 1, len(at)))
+    basis[0] = 1.0
+    for j in range(1, degree + 1):
+        lower = basis[:j].copy()
+        basis[0] = 0.0
+        for n in range(1, j + 1):
+            right, left = knots[cell + n], knots[cell + n - j]
+            if j <= degree - order:
+                weight = lower[n - 1] / (right - left)
+                basis[n - 1] += weight * (right - at)
+                basis[n] = weight * (at - left)
+            else:
+                weight = j * lower[n - 1] / (right - left)
+                basis[n - 1] -= weight
+                basis[n] = weight
+    return np.ascontiguousarray(basis.T)
+
+
+def spline_values(knots: Floats, coefficients: Floats, degree: int, at: Floats, order: int = 0) -> Floats:
+    """(n, ...) a derivative of the spline with coefficients (m - degree - 1, ...) over knots (m,) at places (n,)."""
+    cell = cells_of(knots, degree, at)
+    basis = nonzero_basis(knots, degree, cell, at, order)
+    value = np.zeros((len(at), *coefficients.shape[1:]))
+    for k in range(degree + 1):
+        weight = basis[:, k].reshape(-1, *[1] * (coefficients.ndim - 1))
+        value += coefficients[cell - degree + k] * weight
+    return value
 
 
 @dataclass(frozen=True)

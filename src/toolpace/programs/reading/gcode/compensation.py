@@ -7,9 +7,9 @@ from toolpace.programs.reading.compensation.linuxcnc import LeavingLinuxcnc, Lin
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, AROUND, INSIDE, LINES, OffsetStage, Rules
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")

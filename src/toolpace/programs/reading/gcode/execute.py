@@ -7,13 +7,13 @@ from collections.abc import Callable
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.compensation import FORBIDDEN_FUNCTIONS, Compensation
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.frames.planes import MEANINGS, Planes
-from toolpace.programs.reading.gcode.functions import Functions, IdleWords, SavedModes
+from toolpace.programs.reading.gcode.functions import Functions, IdleWords, Modes, SavedModes
 from toolpace.programs.reading.gcode.holes import KINDS, Holes
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
-from toolpace.programs.reading.gcode.modes import Modes
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.places import Places
 from toolpace.programs.reading.gcode.program import alarms
@@ -35,7 +35,6 @@ from toolpace.programs.reading.gcode.splines import SPLINES, Splines
 from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
 from toolpace.programs.reading.gcode.tools import Tools
 from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import ReadOptions
 
 AS_WRITTEN = (

@@ -28,10 +28,10 @@ from toolpace.programs.reading.control.machine_moves import (
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import TURN
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.circles import ArcReader
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""

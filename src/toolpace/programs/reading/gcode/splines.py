@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.program.words import Numbers
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.splines import Bezier, CurveError, curves_of, even_knots
 
 CUBIC, QUADRATIC, NURBS, BY_KNOTS = "cubic spline", "quadratic spline", "nurbs", "nurbs by knots"

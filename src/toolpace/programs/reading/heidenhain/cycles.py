@@ -8,15 +8,14 @@ from collections.abc import Callable
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate
 from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.tilting import MOST_ANGLE, Tilting
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import VALUE, signed
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
 _ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:((?:F\s*)?(?:MAX|AUTO)|PREDEF)|(" + VALUE + "))")

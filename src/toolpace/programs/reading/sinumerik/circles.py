@@ -18,7 +18,7 @@ from toolpace.programs.reading.arcs import (
 )
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates.affine import cross
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import Point, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number

@@ -18,7 +18,7 @@ from toolpace.programs.reading.compensation.stage import (
     Rules,
 )
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Axis, shown

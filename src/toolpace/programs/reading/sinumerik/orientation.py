@@ -18,7 +18,7 @@ from toolpace.programs.reading.control.machine_moves import (
 from toolpace.programs.reading.control.unroll import AXIS_GAP
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix, cross
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from toolpace.common.units import INCH, MILLIMETRE
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 Point = tuple[float, float, float]
 GREAT_CIRCLE, ROTARY = "great circle", "rotary"

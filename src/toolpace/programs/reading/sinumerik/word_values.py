@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from toolpace.programs.reading.control.control import FARTHEST
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block
 from toolpace.programs.reading.sinumerik.syntax.values import Memory, Value, real, shown
 

@@ -9,9 +9,9 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 RADII = (12.0, 13.0)

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator, Set
 from typing import NamedTuple
 
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT
-from toolpace.programs.reading.language.expressions import BlockError
 
 LONGEST_LINE = 252
 """Characters of a line, without its end ("Command too long")."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.programs.reading.gcode.program.flow import Flow
 from toolpace.programs.reading.gcode.program.variables import Key
 from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NoReturn
 
+from toolpace.programs.reading import flow
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import MAIN, CallStack
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.programs.reading.gcode.program.layout import Files, Text
 from toolpace.programs.reading.gcode.program.statements import Statement
 from toolpace.programs.reading.gcode.program.variables import Key, Variables
-from toolpace.programs.reading.language import flow
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import MAIN, CallStack
 from toolpace.programs.reading.source import Source
 
 DEEPEST = 64.0

@@ -6,9 +6,9 @@ import re
 from functools import cached_property
 from pathlib import Path
 
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import Labels, Nesting
 from toolpace.programs.reading.gcode.program.statements import O_WORD
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import Labels, Nesting
 from toolpace.programs.reading.source import Source
 
 _LABEL = re.compile(r"[ \t]*+/?[0-9]?[ \t]*+N[ \t]*+([0-9]{1,9})(?![0-9.])")

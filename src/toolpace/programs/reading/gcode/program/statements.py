@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.expressions import Node, Parser, Reference
-from toolpace.programs.reading.language.expressions import BlockError
 
 _KINDS = (
     *("SUB", "ENDSUB", "RETURN", "CALL", "WHILE", "ENDWHILE", "DO", "IF", "ELSEIF", "ELSE", "ENDIF"),

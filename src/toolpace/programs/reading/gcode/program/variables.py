@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.words import RefusedError, bounded
-from toolpace.programs.reading.language.expressions import BlockError
 
 Key = int | str
 

@@ -18,12 +18,11 @@ from toolpace.programs.reading.arcs import (
     tangent_centre,
 )
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST
-from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.parameters import LARGEST, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import PathWords
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol
 
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import CALL, MAIN, CallStack
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import CALL, MAIN, CallStack
 from toolpace.programs.reading.sinumerik.flow.jumps import DEEPEST, Frame, Jumps, times_of
 from toolpace.programs.reading.sinumerik.flow.memory import Store, Variable
 from toolpace.programs.reading.sinumerik.flow.routines import Library, Routine, StructureFault

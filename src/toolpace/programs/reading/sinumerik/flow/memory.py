@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.language.expressions import BlockError, half_away_from_zero
+from toolpace.programs.reading.expressions import BlockError, half_away_from_zero
 from toolpace.programs.reading.sinumerik.syntax.expressions import r_number
 from toolpace.programs.reading.sinumerik.syntax.values import (
     Axis,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from toolpace.programs.reading.language.flow import Labels, Nesting
+from toolpace.programs.reading.flow import Labels, Nesting
 from toolpace.programs.reading.sinumerik.syntax.blocks import Line
 from toolpace.programs.reading.sinumerik.syntax.statements import Head, head, line
 from toolpace.programs.reading.source import Source
