@@ -40,10 +40,11 @@ CHUNK = 64
 PLUNGE, ACROSS = math.sin(math.radians(5.0)), math.sin(math.radians(15.0))
 """Share of a motion across the tool axis up to which it is one along it, and from which it is one across."""
 BOXES = 3
+"""Moving averages, one of the other: each adds a continuous derivative, and the path needs two for its acceleration."""
 
 
 @dataclass(frozen=True)
-class Places:
+class Stations:
     """The points of a program and those between, at which bending is told."""
 
     toolpath: ToolPath
@@ -79,7 +80,7 @@ class Places:
         )
 
 
-def places_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -> Places:
+def stations_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -> Stations:
     """The places of a program whose ways are cut where `cut` (n,) is not negative. Raises ReachError.
 
     Points are put in wherever bending can be, blended over a length [m]: that far about all that is cut.
@@ -95,7 +96,7 @@ def places_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -> 
     part = np.concatenate([share, np.ones(len(way) - 1)])[order]
     origin = np.concatenate([[0], leads])
     dense = _with_points(toolpath, machine, origin, np.concatenate([[1.0], part]))
-    return Places(dense, origin, np.cumsum(dense.way_length))
+    return Stations(dense, origin, np.cumsum(dense.way_length))
 
 
 def _between(way: Floats, cut: Ints, blend: float) -> Floats:
@@ -168,19 +169,19 @@ def needed(way: Floats, value: Floats, fixed: Bools, straight: float) -> Ints:
 
 
 def predicted_bending(
-    places: Places, kept: Ints, cut: Ints, tool: CuttingTool, machine: Machine, path: Path, trajectory: Trajectory
+    stations: Stations, kept: Ints, cut: Ints, tool: CuttingTool, machine: Machine, path: Path, trajectory: Trajectory
 ) -> Floats:
     """Deflection (n, 3) [m] of the tip in the workpiece frame at n places, blended.
 
     cut: (n,) which of the tool's cuts acts on the way to each place, -1 for none. path: fitted to the places
     `kept` (k,), whose parameter the trajectory follows.
     """
-    duration, rotary = passages(places, kept, path, trajectory, machine)
-    step = places.toolpath.way[1:]
+    duration, rotary = passages(stations, kept, path, trajectory, machine)
+    step = stations.toolpath.way[1:]
     at = np.flatnonzero((cut[1:] >= 0) & (duration > 0.0))
     bent = np.zeros((len(step), 3))
     bent[at] = bending_of_ways(step[at] / duration[at, None], rotary[at], cut[1:][at], tool, machine)
-    return blended(places.way, bent, tool.blend)
+    return blended(stations.way, bent, tool.blend)
 
 
 def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTool, machine: Machine) -> Floats:
@@ -203,12 +204,14 @@ def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTo
     return found
 
 
-def passages(places: Places, kept: Ints, path: Path, trajectory: Trajectory, machine: Machine) -> tuple[Floats, Floats]:
+def passages(
+    stations: Stations, kept: Ints, path: Path, trajectory: Trajectory, machine: Machine
+) -> tuple[Floats, Floats]:
     """Of the way to each place but the first: how long the motion is on it (n - 1,) [s], 0 where it has no way, and
     where its rotary joints are in its middle (n - 1, 2) [rad]."""
-    duration, rotary = np.zeros(len(places.way) - 1), np.zeros((len(places.way) - 1, 2))
+    duration, rotary = np.zeros(len(stations.way) - 1), np.zeros((len(stations.way) - 1, 2))
     for run, joints, law in zip(path.runs, trajectory.axis_path.runs, trajectory.laws):
-        at, s = parameters(places, kept, run)
+        at, s = parameters(stations, kept, run)
         passed = law.times_at(s)
         passed[0], passed[-1] = 0.0, law.duration
         duration[at[:-1]] = np.diff(passed)
@@ -216,7 +219,7 @@ def passages(places: Places, kept: Ints, path: Path, trajectory: Trajectory, mac
     return duration, rotary
 
 
-def parameters(places: Places, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
+def parameters(stations: Stations, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
     """The places (k,) that a run goes along, both ends too, and its parameters there."""
     # a kept place that no block leads to stands where the one before it does
     point = np.arange(run.entry[0] - 1, run.entry[-1] + 1)
@@ -224,8 +227,8 @@ def parameters(places: Places, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
     at = np.arange(kept[point[0]], kept[point[-1]] + 1)
     cell = np.clip(np.searchsorted(kept[point], at, side="right") - 1, 0, len(point) - 2)
     here, there = kept[point[cell]], kept[point[cell + 1]]
-    whole = places.way[there] - places.way[here]
-    share = np.where(at == there, 1.0, (places.way[at] - places.way[here]) / np.where(whole > 0.0, whole, 1.0))
+    whole = stations.way[there] - stations.way[here]
+    share = np.where(at == there, 1.0, (stations.way[at] - stations.way[here]) / np.where(whole > 0.0, whole, 1.0))
     return at, s[cell] + share * (s[cell + 1] - s[cell])
 
 
@@ -236,9 +239,9 @@ def blended(way: Floats, value: Floats, length: float) -> Floats:
     not nothing within half of that length: between them the averages are taken as straight.
     """
     width = length / BOXES
-    places, back = np.unique(way, return_inverse=True)
+    stations, back = np.unique(way, return_inverse=True)
     pad = width * np.linspace(-0.5 * (BOXES + 1), 0.0, 128, endpoint=False)
-    grid = np.concatenate([places[0] + pad, places, places[-1] - pad[::-1]])
+    grid = np.concatenate([stations[0] + pad, stations, stations[-1] - pad[::-1]])
     # where places stand twice the way between them has no length, and its value no weight
     moves = way[1:] > way[:-1]
     steps = np.zeros((len(grid) - 1, value.shape[1]))
@@ -247,7 +250,7 @@ def blended(way: Floats, value: Floats, length: float) -> Floats:
     for _ in range(BOXES):
         found = _moving_average(grid, left, right, width)
         left, right = found[:-1], found[1:]
-    result: Floats = found[len(pad) :][: len(places)][back]
+    result: Floats = found[len(pad) :][: len(stations)][back]
     return result
 
 

@@ -35,7 +35,7 @@ from toolpace.path.run import PathRun
 
 BORDER = 1e-12
 """How far an interval may reach beyond its run by rounding."""
-MOST_ROUNDS = 100
+MOST_HALVINGS = 100
 """Halvings: more than a double has digits."""
 MOST_CELLS = 1 << 18
 """Open at once. More would be only where a long path keeps its distance to the tolerance (many turns about the point);
@@ -210,21 +210,21 @@ def nearest(stretches: list[Stretch], point: Floats, tolerance: float) -> Projec
     best = better(None, cells, stretches, point)
     closed = np.inf
     """Least distance that a closed cell may have."""
-    rounds = 0
+    halvings = 0
     while True:
         least = cells.least_distance(point)
         is_open = least < best.distance - tolerance
-        if rounds == MOST_ROUNDS or np.count_nonzero(is_open) > MOST_CELLS:
+        if halvings == MOST_HALVINGS or np.count_nonzero(is_open) > MOST_CELLS:
             is_open[:] = False
         closed = min(closed, float(least[~is_open].min(initial=np.inf)))
         if not is_open.any():
             break
         cells = cells.halved(is_open, stretches)
         best = better(best, cells, stretches, point)
-        rounds += 1
+        halvings += 1
     within = max(0.0, best.distance - closed)
     proven = all(chords_of(stretch.run).proven for stretch in stretches)
-    return Projection(best.s, stretches[best.stretch].index, best.tip, best.distance, rounds, within, proven)
+    return Projection(best.s, stretches[best.stretch].index, best.tip, best.distance, halvings, within, proven)
 
 
 def better(best: Found | None, cells: Cells, stretches: list[Stretch], point: Floats) -> Found:
@@ -279,20 +279,20 @@ class Chords:
     """False where the bound rests on samples of a function."""
 
 
-KNOWN: WeakKeyDictionary[PathRun, Chords] = WeakKeyDictionary()
+CHORDS_OF: WeakKeyDictionary[PathRun, Chords] = WeakKeyDictionary()
 """Of the runs that were asked for: found once, as long as there is the run."""
 
 
 def chords_of(run: PathRun) -> Chords:
     """Those of a run. Raises PathError where it is a function with a derivative that is not finite."""
-    if run not in KNOWN:
+    if run not in CHORDS_OF:
         most = run.second_derivative_bounds()
         if most is None:
-            KNOWN[run] = sampled_chords(lambda s: run.evaluate(s).tip, run.breaks)
+            CHORDS_OF[run] = sampled_chords(lambda s: run.evaluate(s).tip, run.breaks)
         else:
             sag = most * np.diff(run.breaks) ** 2 / 8.0
-            KNOWN[run] = Chords(run.breaks, run.evaluate(run.breaks).tip[0], sag, proven=True)
-    return KNOWN[run]
+            CHORDS_OF[run] = Chords(run.breaks, run.evaluate(run.breaks).tip[0], sag, proven=True)
+    return CHORDS_OF[run]
 
 
 def sampled_chords(tip_jets: Callable[[Floats], Floats], breaks: Floats) -> Chords:

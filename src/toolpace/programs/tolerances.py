@@ -223,10 +223,10 @@ def unknown(place: str, toolpath: ToolPath) -> str:
     """What to say of a place that there is not."""
     names = dict.fromkeys(operation.name for operation in toolpath.operations if operation.name)
     tools = dict.fromkeys(f"T{operation.tool}" for operation in toolpath.operations if operation.tool)
-    known = [*names, *tools]
-    if not known:
+    candidates = [*names, *tools]
+    if not candidates:
         return "the program names no operation and no tool; give blocks, like N100-N250, or lines, like 120-250"
-    return f"no such operation, tool or block in {toolpath.source or 'the program'}; {did_you_mean(place, known)}"
+    return f"no such operation, tool or block in {toolpath.source or 'the program'}; {did_you_mean(place, candidates)}"
 
 
 def line_of(number: int, toolpath: ToolPath, *, last: bool) -> int:

@@ -30,8 +30,8 @@ NAMES = ("turn", "tilt", "swing", "x", "y", "z", "tool_length", "side")
 FILE = TableFile("file of choices", longest=100_000)
 MOST = 100
 """Values of a list, and zones."""
-ANGLED, PLACES = ("turn", "tilt", "swing"), ("x", "y", "z")
-KEYS = (*ANGLED, *PLACES, "tool_length", "solution")
+ANGLED, COORDINATES = ("turn", "tilt", "swing"), ("x", "y", "z")
+KEYS = (*ANGLED, *COORDINATES, "tool_length", "solution")
 SOLUTIONS = {"free": 0.0, "+": 1.0, "-": -1.0}
 MOST_SHIFT, MOST_TOOL_LENGTH, MOST_TURN = 100.0, 10.0, 4.0 * math.pi
 """Most of a shift [m], of a tool [m], of an angle [rad]: more is a slip of units."""
@@ -267,7 +267,7 @@ class _File(TablesInUnits):
         listed = value if isinstance(value, list) else [value]
         if not 0 < len(listed) <= MOST:
             self.fail(place, f"lists {len(listed)} values; write 1 to {MOST}, or a range like {{from = 0, to = 45}}")
-        if key in PLACES and len(listed) > 1:
+        if key in COORDINATES and len(listed) > 1:
             self.fail(
                 place, f"= {value!r:.40} is a list; a place is one value or a range, like {{from = -50, to = 50}}"
             )

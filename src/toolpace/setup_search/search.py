@@ -172,10 +172,10 @@ class Search:
         self.slack = 1.0 + AS_GOOD
         at_hand = {name for name in (*TURNS, "side") if 0.0 in self.choices.named(name)}
         values = self.choices.values_of(best.clamping)
-        ways: list[dict[str, float]] = [{}, *({name: 0.0} for name in TURNS if name in at_hand)]
+        variants: list[dict[str, float]] = [{}, *({name: 0.0} for name in TURNS if name in at_hand)]
         if "side" in at_hand:
-            ways += [{**way, "side": 0.0} for way in ways]
-        simpler = [self.choices.clamping({**values, **way}) for way in ways]
+            variants += [{**variant, "side": 0.0} for variant in variants]
+        simpler = [self.choices.clamping({**values, **variant}) for variant in variants]
         clampings = [
             replace(each, shift=self.nearer(each.shift, share)) for each in dict.fromkeys(simpler) for share in NEARER
         ]

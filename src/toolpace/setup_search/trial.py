@@ -35,9 +35,9 @@ MARGIN = 2e-4
 """Kept from the ends of travel [m]: a smooth path swings about the points of its program."""
 HEAVY = 1e3
 """Weight of what is beyond travel against the way to the wished place."""
-PASSED = 1e-7
+VIOLATED = 1e-7
 """By how much a row is passed that is put in [m]."""
-ROUNDS = 40
+MOST_ITERATIONS = 40
 """Of putting in rows, at most."""
 TURNED = 10.0
 """Shortfall [m] of a direction that the rotary joints do not reach, beside that of its angles [rad]: more than any of a
@@ -63,7 +63,7 @@ class FeasiblePosition:
     @property
     def fits(self) -> bool:
         """Whether the program lies within all travels."""
-        return self.shortfall <= PASSED
+        return self.shortfall <= VIOLATED
 
 
 def feasible_position(
@@ -80,11 +80,11 @@ def feasible_position(
     wish = np.array(clamping.shift)
     try:
         base = linear_joints(on, free, toolpath, rotary)
-        ways = [linear_joints(_moved(on, e), free, toolpath, rotary) - base for e in np.eye(3)]
+        jacobian = [linear_joints(_moved(on, e), free, toolpath, rotary) - base for e in np.eye(3)]
     except ReachError:
         return FeasiblePosition(clamping, TORN)
     travel = on.geometry.travel[on.linear]
-    move, beyond = nearest_within(base, np.stack(ways, axis=2), travel, wish, box)
+    move, beyond = nearest_within(base, np.stack(jacobian, axis=2), travel, wish, box)
     x, y, z = (float(each) for each in wish + move)
     return FeasiblePosition(replace(clamping, shift=(x, y, z)), beyond)
 
@@ -108,7 +108,7 @@ def _moved(machine: Machine, shift: Floats) -> Machine:
     return machine.mounted((x, y, z))
 
 
-def nearest_within(base: Floats, ways: Floats, travel: Floats, wish: Floats, box: Floats) -> tuple[Floats, float]:
+def nearest_within(base: Floats, jacobian: Floats, travel: Floats, wish: Floats, box: Floats) -> tuple[Floats, float]:
     """The move (3,) [m] from a wish (3,) that brings joints base (n, 3) + ways (n, 3, 3) @ move into travel (3, 2).
 
     Returns it with what is left beyond travel [m]; wish + move lies in the box (3, 2).
@@ -116,13 +116,13 @@ def nearest_within(base: Floats, ways: Floats, travel: Floats, wish: Floats, box
     from scipy.optimize import linprog
 
     ends = np.concatenate([base - (travel[:, 1] - MARGIN), (travel[:, 0] + MARGIN) - base]).ravel()
-    slopes = np.concatenate([ways, -ways]).reshape(-1, 3)
+    slopes = np.concatenate([jacobian, -jacobian]).reshape(-1, 3)
     real = np.isfinite(ends)
     ends, slopes = ends[real], slopes[real]
     reach = box - wish[:, None]
     move = np.clip(np.zeros(3), reach[:, 0], reach[:, 1])
     beyond, rows = 0.0, np.zeros(len(ends), dtype=np.bool_)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ITERATIONS):
         past = ends + slopes @ move
         worst = _worst_of(past, rows, beyond)
         if not worst.any():
@@ -141,10 +141,10 @@ def nearest_within(base: Floats, ways: Floats, travel: Floats, wish: Floats, box
 
 def _worst_of(past: Floats, rows: Bools, beyond: float) -> Bools:
     """Which rows are to be put in: the most passed of those that are not in, a few at a time."""
-    passed = np.where(rows, -math.inf, past - beyond)
+    violation = np.where(rows, -math.inf, past - beyond)
     worst = np.zeros(len(past), dtype=np.bool_)
-    worst[np.argsort(passed)[-12:]] = True
-    return np.asarray(worst & (passed > PASSED))
+    worst[np.argsort(violation)[-12:]] = True
+    return np.asarray(worst & (violation > VIOLATED))
 
 
 def rotary_shortfall(geometry: Geometry, toolpath: ToolPath) -> float:

@@ -29,6 +29,7 @@ USED = 0.95
 ACCURACY = 0.02
 """Duality gap over roughness, in each stretch of 32 cells."""
 STEPS = 80
+"""Newton steps of a range, at most; what is not done by then is taken where it lies inside its tube."""
 WAVE = 500.0
 """Waves longer than so many cells are gently pulled towards the polyline, which keeps the Newton matrix regular."""
 WINDOW = 2000
@@ -45,7 +46,7 @@ INSIDE = 0.6
 """Share of the tolerance within which the first spline must run."""
 SMOOTHING = 0.01
 """Weight of the roughness in the first spline: it smooths what is shorter than a few tolerances."""
-ROUNDS = 60
+MOST_HALVINGS = 60
 """Rounds of halving after which there is no spline: each halves cells, so no cell can still be too long."""
 PATIENCE = 8
 """Rounds after which cells beside those that are bad are halved with them: on a polygon each is nearly bad, and one
@@ -157,7 +158,7 @@ def inside_spline(
     spline = near_polyline(line, breaks)
     data = sample(line, breaks, axis_tolerance, machine)
     where: Floats | None = None
-    for k in range(ROUNDS):
+    for k in range(MOST_HALVINGS):
         smooth_samples(spline, data, weight, where, workers)
         at, off = data.s, deviation(spline, data)
         if np.all(off <= INSIDE):

@@ -86,7 +86,7 @@ class ReadingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Built-in controllers that the program may be for as well; none where its controller was named."""
 
 
-class RoundRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class IterationRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A path that was fitted on the way, and how fast it may be passed with limits held at the nodes."""
 
     duration_s: float
@@ -183,7 +183,7 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """The bending that is compensated; null where the tool is taken for stiff."""
     effort: str = "low"
     """How much was done for a path that may be passed fast: low, normal or high."""
-    rounds: list[RoundRecord] = []
+    rounds: list[IterationRecord] = []
     """The first path and each fitted for the pace of those before it; empty where it was fitted once."""
     tip_at_tolerance: float | None = None
     """Share of the path's length where the tip is off by more than 90 % of its tolerance."""
@@ -220,7 +220,7 @@ def read_plan(path: str | os.PathLike[str]) -> PlanRecord:
         raise UsageError(f"{source}: not a plan: {in_short(error)}; plan again, into a new folder") from None
 
 
-def known_bound(trajectory: Trajectory) -> float | None:
+def finite_bound(trajectory: Trajectory) -> float | None:
     """What no motion along the path is faster than [s]; None where nothing is known."""
     bound = float(trajectory.lower_bound)
     return bound if math.isfinite(bound) and bound > 0.0 else None
@@ -238,9 +238,9 @@ def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:
     return [OpenPlaceRecord(place.start, place.end, place.seconds, place.block) for place in trajectory.open_places]
 
 
-def round_records(rounds: Sequence[Round]) -> list[RoundRecord]:
+def iteration_records(rounds: Sequence[Round]) -> list[IterationRecord]:
     """The duration after each iteration of path and speed."""
-    return [RoundRecord(each.duration, each.power, each.kept, math.degrees(each.axis_tolerance)) for each in rounds]
+    return [IterationRecord(each.duration, each.power, each.kept, math.degrees(each.axis_tolerance)) for each in rounds]
 
 
 def operation_records(times: Sequence[OperationTime]) -> list[OperationRecord]:
@@ -276,18 +276,18 @@ def by_place(tolerance: float | Tolerances | None, quantity: Callable[[float], s
 def share_at_tolerance(trajectory: Trajectory, which: int, tolerance: float | None) -> float | None:
     """Share of the path's length where the tip (0) or the axis (1) is off by nearly its tolerance; None: not known."""
     found = [run.deviations() for run in trajectory.axis_path.runs]
-    known = [each for each in found if each is not None]
-    if tolerance is None or len(known) < len(found):
+    measured = [each for each in found if each is not None]
+    if tolerance is None or len(measured) < len(found):
         return None
-    length = sum(float(breaks[-1] - breaks[0]) for breaks, _, _ in known)
-    near = sum(float((breaks[1:] - breaks[:-1])[off[which] > NEARLY * tolerance].sum()) for breaks, *off in known)
+    length = sum(float(breaks[-1] - breaks[0]) for breaks, _, _ in measured)
+    near = sum(float((breaks[1:] - breaks[:-1])[off[which] > NEARLY * tolerance].sum()) for breaks, *off in measured)
     return near / length
 
 
-def largest_known(deviations: Sequence[float], scale: float) -> float | None:
+def largest_finite(deviations: Sequence[float], scale: float) -> float | None:
     """The largest known one, times a scale; None where none is known."""
-    known = [float(value) * scale for value in deviations if math.isfinite(value)]
-    return max(known) if known else None
+    measured = [float(value) * scale for value in deviations if math.isfinite(value)]
+    return max(measured) if measured else None
 
 
 def tip_length(setpoints: SetPoints) -> float | None:

@@ -27,12 +27,12 @@ from toolpace.results.write.plan_json import (
     PlanRecord,
     ReadingRecord,
     by_place,
-    known_bound,
-    largest_known,
+    finite_bound,
+    iteration_records,
+    largest_finite,
     open_place_records,
     operation_records,
     printable_counts,
-    round_records,
     share_at_tolerance,
     tip_length,
     usage_record,
@@ -115,7 +115,7 @@ class PlanResult:
     def record(self) -> PlanRecord:
         """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
         trajectory, toolpath, verification = self.trajectory, self.toolpath, self.verification
-        bound = known_bound(trajectory)
+        bound = finite_bound(trajectory)
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
@@ -135,8 +135,8 @@ class PlanResult:
             stops=len(trajectory.laws) - 1,
             usage=usage_record(trajectory),
             limited_by=trajectory.limited_by(),
-            tip_deviation_mm=largest_known([source.tip_deviation for source in measured], 1e3),
-            axis_deviation_deg=largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
+            tip_deviation_mm=largest_finite([source.tip_deviation for source in measured], 1e3),
+            axis_deviation_deg=largest_finite([source.axis_deviation for source in measured], 180.0 / math.pi),
             machine=printable(self.machine.name),
             program=printable((self.program.name if self.program is not None else "") or source),
             toolpace_version=__version__,
@@ -157,7 +157,7 @@ class PlanResult:
             open_places=open_place_records(trajectory),
             bending=bending_record(self.aimed) if self.aimed is not None else None,
             effort=self.effort,
-            rounds=round_records(self.rounds),
+            rounds=iteration_records(self.rounds),
             tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
             axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
             step_s=dict(self.step_s),

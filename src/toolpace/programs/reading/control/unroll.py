@@ -60,8 +60,8 @@ class Unroll:
         self.curves = BezierTable(list(table.curves.values()))
         self.curve = np.full(len(self.end), -1)
         self.curve[list(table.curves)] = np.arange(len(table.curves))
-        round_ways: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
-        for row, way in round_ways:
+        curved: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
+        for row, way in curved:
             self.length[row] = way.length()
             self.pieces[row] = way.pieces()
 

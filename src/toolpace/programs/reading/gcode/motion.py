@@ -118,8 +118,8 @@ class MotionReader:
     def _say_of_rapid(self, before: list[float], target: list[float]) -> None:
         """Say how a rapid is taken that goes along the tool and aside in one block."""
         along = PLANE_ACROSS[self.state.plane]
-        ways = [abs(a - b) > ROUNDING for a, b in zip(before, target)]
-        if len(self.control.moves) and ways[along] and sum(ways) > 1:
+        moved = [abs(a - b) > ROUNDING for a, b in zip(before, target)]
+        if len(self.control.moves) and moved[along] and sum(moved) > 1:
             self.control.findings.assumed(RAPID)
 
     def _corner(self, numbers: dict[str, float]) -> tuple[str, str, float] | None:

@@ -18,6 +18,7 @@ NEAR = 1e-5
 """How far a spline may begin from where the tool is [m]: programs round."""
 _USUAL_ORDER = {NURBS: 3, BY_KNOTS: 4}
 _MOST_POINTS = 100_000
+"""Control points of a spline: a bound on what a program may ask for, not a rule of a control."""
 
 
 @dataclass

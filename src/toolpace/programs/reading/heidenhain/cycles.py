@@ -249,7 +249,7 @@ class Cycles:
         axes = self.axes(text)
 
         def run() -> None:
-            by, centre, told = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
+            by, centre, named = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
             for mark, letter, value in axes:
                 slot = "XYZ".find(letter)
                 if slot < 0:
@@ -258,8 +258,8 @@ class Cycles:
                     centre[slot] = evaluate(value) * self.state.unit
                 else:
                     by[slot] = self.factor(evaluate(value))
-                    told.add(slot)
-            if any(slot not in told for slot in self.frames.scaled()):
+                    named.add(slot)
+            if any(slot not in named for slot in self.frames.scaled()):
                 cure = "name each axis that is scaled, with the factor 1 where that is to end"
                 self.control.refuse("CYCL DEF 26 without an axis that is scaled", cure)
             self.frames.scale(by, centre)
@@ -282,7 +282,7 @@ class Cycles:
 
     def tolerance(self, text: str) -> Step:
         """32: T of the tip, TA of the rotary axes; a line 32.1 without T ends both. Noted, and obeyed where asked."""
-        told = [
+        named = [
             (name, signed(found[1], self.parameters))
             for name, letters in (("tip", "T"), ("axis", "TA"))
             if (found := re.search(rf"(?<![A-Z]){letters}\s*(" + VALUE + ")", text))
@@ -291,7 +291,7 @@ class Cycles:
         def note() -> None:
             self.control.findings.ignored("CYCL DEF 32")
             units = {"tip": self.state.unit, "axis": DEGREE}
-            values = {name: evaluate(value) * units[name] for name, value in told}
+            values = {name: evaluate(value) * units[name] for name, value in named}
             if values or not text.strip():
                 self.control.moves.ask(**(values or {"tip": 0.0, "axis": 0.0}))
 

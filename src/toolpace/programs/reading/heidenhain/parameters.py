@@ -41,8 +41,8 @@ class UnsetError(Exception):
 class Parameters:
     """Values of Q (of all programs), QR (kept), QL (of one program) and texts QS."""
 
-    def __init__(self, given: Mapping[str, float]) -> None:
-        self.shared: dict[str, float] = {name.upper(): value for name, value in given.items()}
+    def __init__(self, preset: Mapping[str, float]) -> None:
+        self.shared: dict[str, float] = {name.upper(): value for name, value in preset.items()}
         self.local: dict[str, float] = {}
         self.texts: dict[str, str] = {}
         self.hanging: set[str] = set()

@@ -286,7 +286,7 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
     for slot, letter in enumerate("XYZ"):
         pole[slot] += (number(words, letter, 0.0) or 0.0) * state.unit
     made: Point = (pole[0], pole[1], pole[2])
-    state.pole, state.pole_told, state.polar_plane, state.polar_angle = made, True, state.plane, None
+    state.pole, state.pole_is_set, state.polar_plane, state.polar_angle = made, True, state.plane, None
 
 
 def _radius(words: Words, alarm: str) -> float | None:

@@ -38,7 +38,7 @@ class Now:
     """What lasts for one block."""
 
     words: Words
-    edge_told: bool = False
+    edge_programmed: bool = False
     """Whether D stands in it."""
     in_machine: bool = False
     stop: bool = False
@@ -59,7 +59,7 @@ class Executor:
         self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
-            "tool change": lambda now: self.tooling.change(edge_told=now.edge_told),
+            "tool change": lambda now: self.tooling.change(edge_programmed=now.edge_programmed),
             "stop": lambda now: setattr(now, "stop_after", True),
             "end": lambda now: setattr(now, "ends", True),
             "spindle or coolant": lambda now: run.control.stop(),

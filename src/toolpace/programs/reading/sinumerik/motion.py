@@ -135,7 +135,8 @@ class Motion:
         """Move as the words of a block say, which are taken out; whether an axis of the path was named."""
         control, state = self.control, self.state
         start, polar = control.words, "AP" in words or "RP" in words
-        turned = self.vectors.asked(words) and any(letter in words for letter in control.slots if letter not in "XYZ")
+        rotary = (letter for letter in control.slots if letter not in "XYZ")
+        turned = self.vectors.names_a_direction(words) and any(letter in words for letter in rotary)
         if self.splines.end:
             control.words, present = self.splines.end, start
             try:

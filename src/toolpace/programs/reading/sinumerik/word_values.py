@@ -57,7 +57,7 @@ class Arguments:
             raise BlockError(f"{name} takes at most {most} arguments, not {len(values)}: correct them")
         self.name, self.values = name, values
 
-    def given(self, place: int) -> bool:
+    def has(self, place: int) -> bool:
         """Whether the argument of a place, from 0, is there."""
         return place < len(self.values) and self.values[place] is not None
 

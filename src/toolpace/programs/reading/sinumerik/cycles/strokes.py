@@ -24,6 +24,7 @@ COARSE = {
 }  # fmt: skip
 """Pitch [mm] by nominal diameter [mm]."""
 MOST_TURNS = 10_000
+"""Turns of a thread that is milled: a bound on what a slip of its pitch may ask for, not a rule of the control."""
 
 
 @dataclass(frozen=True)
@@ -139,10 +140,10 @@ def pitch_of(arguments: Arguments, unit: float, *, size: int, pitch: int, kind: 
         raise BlockError(
             f"{arguments.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
         )
-    told_in = arguments.code(kind)
-    if told_in not in (0, 1, 3):
+    unit_code = arguments.code(kind)
+    if unit_code not in (0, 1, 3):
         raise Unread(f"{arguments.name} with a pitch in modules or turns per inch", "write it in mm or inch")
-    lead = abs(arguments.number(pitch)) * {0: unit, 1: MILLIMETRE, 3: INCH}[told_in]
+    lead = abs(arguments.number(pitch)) * {0: unit, 1: MILLIMETRE, 3: INCH}[unit_code]
     if by_size and abs(metric_pitch(by_size) - lead) > ROUNDING:
         raise BlockError(f"{arguments.name}: MPIT and PIT tell different pitches (alarm 61001): write one of them")
     return lead

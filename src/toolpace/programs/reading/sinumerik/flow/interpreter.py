@@ -185,9 +185,9 @@ class Interpreter:
             if handed is not None and handed.sizes:
                 raise BlockError(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
             variable = self.memory.define(name, kind.removeprefix("VAR "))
-            given = arguments[k] if k < len(arguments) else None
+            argument = arguments[k] if k < len(arguments) else None
             default = flow.values[k]
-            value = given if given is not None or default is None else default(self.memory)
+            value = argument if argument is not None or default is None else default(self.memory)
             if value is not None:
                 variable.set((), value, name)
 

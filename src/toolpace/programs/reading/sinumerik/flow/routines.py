@@ -16,8 +16,8 @@ SUFFIXES = (".spf", ".SPF", ".mpf", ".MPF", "")
 """Of files that a subprogram is looked for in, beside the program."""
 LARGEST = 16 << 20
 """Most bytes of a subprogram's file."""
-MOST_FILES = 200
-LONGEST_NAME = 64
+MOST_FILES, LONGEST_NAME = 200, 64
+"""Names that are looked for beside a program, and characters of one: bounds on what a program may ask for."""
 _OPENING = re.compile(r"[ \t]*+%_N_([A-Z0-9_.-]+?)(?:_(MPF|SPF))?[ \t]*+(?:;.*)?", re.IGNORECASE)
 _PROCEDURE = re.compile(r"[ \t]*+(?:N[0-9]++[ \t]*+)?PROC[ \t]++([A-Z_][A-Z0-9_]*+)", re.IGNORECASE)
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
