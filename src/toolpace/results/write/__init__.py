@@ -35,7 +35,7 @@ from toolpace.results.write.result import (
     copy_name,
     read_again,
     reading_record,
-    write_how_read,
+    write_reading_options,
 )
 
 __all__ = [
@@ -126,7 +126,7 @@ def write_folder(
             write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
-        write_how_read(folder, result.options)
+        write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
         if csv:

@@ -223,7 +223,7 @@ def has_setup(setup: SetUp) -> bool:
     return any(value for name, value in vars(setup).items() if name != "source")
 
 
-def write_how_read(folder: Path, options: ReadOptions) -> None:
+def write_reading_options(folder: Path, options: ReadOptions) -> None:
     """Put controller and set-up sheet beside the plan, with every figure exact."""
     if options.controller is not None:
         (folder / CONTROLLER).write_text(options.controller.to_toml(), encoding="utf-8")

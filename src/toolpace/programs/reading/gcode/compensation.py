@@ -142,7 +142,7 @@ class Compensation:
         name = f"{number:g}" if number else control.tool if self.rs274 else ""
         if name in ("", "0"):
             return 0.0
-        if number in self.state.told_radii:
+        if number in self.state.programmed_radii:
             raise RefusedError(f"{word} D{number:g}", "G10 tells its radius: write it on the set-up sheet, without G10")
         control.findings.used.tools.setdefault(name)
         found = control.setup.tool(name)

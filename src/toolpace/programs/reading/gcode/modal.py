@@ -87,7 +87,7 @@ class Modal:
     """H in force."""
     radius_number: float | None = None
     """D in force."""
-    told_radii: set[float] = field(default_factory=set)
+    programmed_radii: set[float] = field(default_factory=set)
     """Numbers D whose radius the program itself has told (G10 L12, L13)."""
     between: list[float] | None = None
     """Words of the place over which the reference point was gone to."""

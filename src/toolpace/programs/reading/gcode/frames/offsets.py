@@ -101,7 +101,7 @@ class Offsets:
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind in RADII:
             numbers.clear()
-            self.state.told_radii.add(number)
+            self.state.programmed_radii.add(number)
             self.control.findings.ignored(f"{word} L{kind:g}")
             return
         if kind in DATA:
