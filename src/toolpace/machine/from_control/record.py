@@ -75,6 +75,10 @@ class MachineRecord:
     """By axis letter: the joint's position at which the control displays zero, for the set-up sheet."""
     control_figures: dict[str, Figure] = field(default_factory=dict)
     """What the control limits beside the joints, as the path's velocity; by a name with its unit."""
+    controller: str = ""
+    """The built-in controller that its controller file is `like`; empty where there is none."""
+    timing: dict[str, Figure] = field(default_factory=dict)
+    """Keys of the table [time] of its controller file, as `tolerance` and `sinumerik.overload` (docs/commands.md)."""
     held: list[str] = field(default_factory=list)
     """Turning joints that the machine does not have: at rest, since every machine here has two."""
     remarks: list[str] = field(default_factory=list)
@@ -94,6 +98,7 @@ class MachineRecord:
             joints={joint: each(figures) for joint, figures in self.joints.items()},
             machine_zero=each(self.machine_zero),
             control_figures=each(self.control_figures),
+            timing=each(self.timing),
         )
 
 
