@@ -8,6 +8,7 @@ from typing import Protocol
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
 from toolpace.machine.from_control.linuxcnc import reader as linuxcnc
 from toolpace.machine.from_control.record import MachineRecord
+from toolpace.machine.from_control.sinumerik import reader as sinumerik
 from toolpace.machine.from_control.stand_ins import Answers
 
 
@@ -31,7 +32,7 @@ class Reader(Protocol):
         ...
 
 
-READERS: tuple[Reader, ...] = (linuxcnc,)
+READERS: tuple[Reader, ...] = (linuxcnc, sinumerik)
 
 
 def read_record(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
