@@ -138,7 +138,8 @@ class MachineData:
         for other in found[1:]:
             if not other.same(found[0]):
                 raise other.origin.error(
-                    f"= {other.text[:20]} contradicts {found[0].origin} = {found[0].text[:20]}; give the newer file"
+                    f"= {other.text[:20] or 'nothing'} contradicts {found[0].origin} = {found[0].text[:20] or 'nothing'}; "
+                    "give the newer file"
                 )
         return found[0] if found else None
 
