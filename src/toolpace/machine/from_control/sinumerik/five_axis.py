@@ -60,6 +60,10 @@ class Transformation:
     def type(self) -> int:
         return int(self.kind.number())
 
+    def names_axes(self, data: MachineData) -> bool:
+        """Whether the files say which axes go into it."""
+        return any(data.datum(f"MC_TRAFO_AXES_IN_{self.number}", place) is not None for place in range(5))
+
     def inputs(self, data: MachineData) -> list[tuple[int, Origin]]:
         """Numbers of its channel axes, X, Y, Z and the turning ones. Raises ControlFileError for one that is twice."""
         found: list[tuple[int, Origin]] = []
@@ -133,6 +137,11 @@ def _axis(
     if number not in axes:
         raise origin.error(f"= {number}, and the channel has no such axis; give its channel data too")
     axis, kind = axes[number], TYPES[found.type][0]
+    if axis.letter not in tuple(TURNING) and not found.names_axes(data):
+        raise found.kind.origin.error(
+            f"= {found.type} has axes that no file names ($MC_TRAFO_AXES_IN_{found.number}), and the channel's axis "
+            f"{number} is {axis.name}; give the channel's data too"
+        )
     if letters:
         letter = letters[place]
         if axis.letter in tuple(TURNING) and axis.letter != letter:
@@ -180,9 +189,16 @@ def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
         )
 
 
+def carrier_numbers(data: MachineData) -> list[int]:
+    """Swivel data sets that turn an axis."""
+    numbers = [number for number in data.numbers("TC_CARR") if number > 0]
+    first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
+    return [number for number, figure in first.items() if figure is not None and any(np.array(figure.value))]
+
+
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
     """The swivel data set that is read: that of the transformation, or the only one, or what is answered."""
-    sets = [number for number in data.numbers("TC_CARR") if number > 0 and _turns(data, number)]
+    sets = carrier_numbers(data)
     if found is not None and found.type == BY_CARRIER:
         datum = data.datum(f"MC_TRAFO5_TCARR_NO_{found.count}")
         number = 1 if datum is None else int(datum.number())
@@ -195,12 +211,6 @@ def carrier_number(data: MachineData, found: Transformation | None, answers: Ans
     shown = [str(number) for number in sets]
     question = Question(f"number of the swivel data set ({', '.join(shown)})", shown[0], "the first that turns axes")
     return int(str(answers.choice(question, shown).value))
-
-
-def _turns(data: MachineData, number: int) -> bool:
-    """Whether a swivel data set has an axis."""
-    first = data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)])
-    return first is not None and any(np.array(first.value))
 
 
 def chain_of_carrier(

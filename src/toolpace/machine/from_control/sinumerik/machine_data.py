@@ -22,12 +22,17 @@ DATUM = re.compile(
     r"""(?P<value>"[^"]*"|'[HB][0-9A-F]*'|\([^)]*\)|[^\s"';$]+)?""",
     re.IGNORECASE,
 )
-AREAS = ("MN_", "MC_", "MA_", "TC_CARR", "SC_")
-"""Of names that are kept: the beginnings."""
+ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
+KEPT = re.compile(
+    r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
+    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_)""",
+    re.IGNORECASE,
+)
+"""Beginnings of names that are kept: an archive has some hundred times as many."""
 CHANNEL = re.compile(r"\s*(?:CHANDATA\s*\(\s*([0-9]{1,2})\s*\)|%_N_CH0*([0-9]{1,2})_)", re.IGNORECASE)
 EXPONENT = re.compile(r"([0-9.])EX(?=[-+0-9])", re.IGNORECASE)
-MOST = 1_000_000
-"""Data that are kept: a control with 31 axes has some ten thousand."""
+MOST = 50_000
+"""Data that are kept: a control with 31 axes and as many swivel data sets has some four thousand."""
 Key = tuple[str, int, str, int]
 """Name, number, axis (or what else stands in the index) and channel; empty and 0 where none is named."""
 
@@ -82,27 +87,29 @@ class MachineData:
     @staticmethod
     def of(files: Iterable[ControlFile]) -> MachineData:
         """The data of files. Raises ControlFileError where one has none."""
-        found = MachineData()
+        found, count = MachineData(), 0
         for file in files:
-            before = sum(map(len, found.data.values()))
+            if not has_data(file):
+                raise ControlFileError("has no machine data ($MN_, $MC_, $MA_, $TC_CARR); leave it out", file=file.name)
             channel = 0
             for number, line in enumerate(file.lines, 1):
                 if match := CHANNEL.match(line):
                     channel = int(match[1] or match[2])
-                if "$" in line:
+                if "$" in line and KEPT.search(line):
+                    count += 1
                     found._add(file, number, COMMENT.sub(r"\1", line), channel)
-            count = sum(map(len, found.data.values()))
-            if count == before:
-                raise ControlFileError("has no machine data ($MN_, $MC_, $MA_, $TC_CARR); leave it out", file=file.name)
-            if count > MOST:
-                raise ControlFileError(f"has more than {MOST} data; give one machine at a time", file=file.name)
+                    if count > MOST:
+                        raise ControlFileError(
+                            f"has more than {MOST} lines of axes and transformations; give one machine at a time",
+                            file=file.name,
+                        )
         return found
 
     def _add(self, file: ControlFile, line: int, text: str, channel: int) -> None:
         """Keep what a line assigns."""
         for match in DATUM.finditer(text):
             name = match["name"].upper()
-            if not name.startswith(AREAS):
+            if not KEPT.match("$" + name):
                 continue
             shown = f"${name}" + (f"[{match['index'].strip()}]" if match["index"] is not None else "")
             shown = (f"N{match['number']} " if match["number"] else "") + shown[:SHOWN]
@@ -127,6 +134,11 @@ class MachineData:
         """Numbers in the index of names that begin so."""
         return sorted({key[1] for key in self.data if key[0].startswith(prefix)})
 
+    @property
+    def has_kinematic_chain(self) -> bool:
+        """Whether there are elements of a kinematic chain, which are not read."""
+        return any(key[0].startswith("NK_") for key in self.data)
+
     def axis_words(self) -> list[str]:
         """Axes of $MA data, in the order of the files."""
         return list(dict.fromkeys(key[2] for key in self.data if key[0].startswith("MA_") and key[2]))
@@ -138,8 +150,8 @@ class MachineData:
         for other in found[1:]:
             if not other.same(found[0]):
                 raise other.origin.error(
-                    f"= {other.text[:20] or 'nothing'} contradicts {found[0].origin} = {found[0].text[:20] or 'nothing'}; "
-                    "give the newer file"
+                    f"= {other.text[:20] or 'nothing'} contradicts {found[0].origin} = "
+                    f"{found[0].text[:20] or 'nothing'}; give the newer file"
                 )
         return found[0] if found else None
 
@@ -156,6 +168,11 @@ class MachineData:
             return None
         values = tuple(0.0 if datum is None else datum.number() for datum in data)
         return Figure(values, _in_short([datum.origin for datum in present]))
+
+
+def has_data(file: ControlFile) -> bool:
+    """Whether a text assigns machine data or swivel data."""
+    return any("$" in line and ANY_DATUM.search(line) for line in file.lines)
 
 
 def _in_short(origins: Sequence[Origin]) -> tuple[Origin, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,11 +16,12 @@ from toolpace.machine.from_control.sinumerik.five_axis import (
     BY_CARRIER,
     Transformation,
     carrier_number,
+    carrier_numbers,
     chain_of_carrier,
     chain_of_transformation,
     transformation,
 )
-from toolpace.machine.from_control.sinumerik.machine_data import MachineData
+from toolpace.machine.from_control.sinumerik.machine_data import MachineData, has_data
 from toolpace.machine.from_control.sinumerik.vector_chain import VectorChain
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
@@ -29,7 +29,6 @@ from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "Sinumerik"
 TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...) and swivel data ($TC_CARR...)"
-SIGN = re.compile(r"\$(M[NCA]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 IN_MM = {"mm": 1.0, "in": 25.4}
 OWN_UNITS = 8
 """Bits of MD10220 that give lengths, angles and their derivatives other units than those of the manuals."""
@@ -39,7 +38,7 @@ SAME = 1e-3
 
 def recognises(file: ControlFile) -> bool:
     """Whether a text assigns machine data or swivel data."""
-    return any("$" in line and SIGN.search(line) for line in file.lines)
+    return has_data(file)
 
 
 def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
@@ -56,7 +55,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
         raise ControlFileError("has no axis; give general, channel and axis data", file=files[0].name)
     found, others = transformation(data)
     record.remarks += others
-    inputs = found.inputs(data)[:3] if found is not None and _has_inputs(data, found) else []
+    inputs = found.inputs(data)[:3] if found is not None and found.names_axes(data) else []
     straight = straight_axes(data, axes, inputs)
     chain = _chain(data, found, axes, answers, record)
     joints = dict(zip("XYZ", straight)) | _turning(data, axes, chain)
@@ -111,11 +110,6 @@ def _name(files: Sequence[ControlFile]) -> str:
     return "".join(letter for letter in stem if letter.isprintable())[:LONGEST_NAME].strip() or CONTROL
 
 
-def _has_inputs(data: MachineData, found: Transformation) -> bool:
-    """Whether the files say which axes go into the transformation."""
-    return any(data.datum(f"MC_TRAFO_AXES_IN_{found.number}", place) is not None for place in range(5))
-
-
 def _chain(
     data: MachineData, found: Transformation | None, axes: Mapping[int, ChannelAxis], answers: Answers,
     record: MachineRecord,
@@ -125,11 +119,14 @@ def _chain(
     Raises ControlFileError where both are there and contradict.
     """
     by_type = found is not None and found.type != BY_CARRIER
-    only = not by_type or len([number for number in data.numbers("TC_CARR7") if number > 0]) == 1
-    number = carrier_number(data, found, answers) if only else None
+    # of several swivel data sets none need be that of the transformation
+    single = not by_type or len(carrier_numbers(data)) == 1
+    number = carrier_number(data, found, answers) if single else None
     swivel = None if number is None else chain_of_carrier(data, number, axes, answers, record.remarks)
     if found is None or not by_type:
-        return None if swivel is None or not any(swivel.axes) else _closed(swivel, IN_MM[str(record.length.value)])
+        if swivel is None and data.has_kinematic_chain:
+            record.remarks.append("The kinematic chain ($NK_...) is not read: it may say what is asked for.")
+        return None if swivel is None else _closed(swivel, IN_MM[str(record.length.value)])
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
         return None
