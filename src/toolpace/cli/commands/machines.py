@@ -31,6 +31,13 @@ FromFiles = Annotated[
 WriteMachine = Annotated[
     str | None, Parameter(name="--write", help="With --from: write the machine to this file (.toml).")
 ]
+WriteController = Annotated[
+    str | None,
+    Parameter(
+        name="--write-controller",
+        help="With --from: write the figures of the control's model of time to this file (.toml), for --controller.",
+    ),
+]
 
 
 def machines_command(
@@ -41,6 +48,7 @@ def machines_command(
     poses: options.Poses = False,
     from_files: FromFiles = None,
     write: WriteMachine = None,
+    write_controller: WriteController = None,
 ) -> int:
     """List the built-in machines with their class, travel and limits; or make a machine from its control's files.
 
@@ -63,9 +71,10 @@ def machines_command(
     if from_files is not None:
         if name is not None:
             raise UsageError(f"machine {name[:40]} and --from: give one of both")
-        return _from_control(console, from_files, toml, poses, write)
-    if write is not None:
-        raise UsageError("--write goes with --from FILE...: the machine is made from its control's files")
+        return _from_control(console, from_files, toml, poses, write, write_controller)
+    for option, file in (("--write", write), ("--write-controller", write_controller)):
+        if file is not None:
+            raise UsageError(f"{option} goes with --from FILE...: the machine is made from its control's files")
     if toml or poses:
         machine = Machine.load(arguments.one_machine(name, toml, poses))
         if toml:
@@ -78,7 +87,9 @@ def machines_command(
     return 0
 
 
-def _from_control(console: Console, files: list[str], toml: bool, poses: bool, write: str | None) -> int:
+def _from_control(
+    console: Console, files: list[str], toml: bool, poses: bool, write: str | None, write_controller: str | None
+) -> int:
     """Show the machine that the files tell, or write it."""
     from toolpace.cli import arguments, summary
     from toolpace.common.files import write_text
@@ -88,10 +99,15 @@ def _from_control(console: Console, files: list[str], toml: bool, poses: bool, w
     if toml and poses:
         raise UsageError("--toml and --poses: one at a time, so that what is printed by --toml is a machine file")
     place = arguments.file_for_result("--write", write)
+    controller = arguments.file_for_result("--write-controller", write_controller)
     at_terminal = place is not None and sys.stdin.isatty() and sys.stdout.isatty()
     draft = read_control([Path(file) for file in files], Answers(_ask if at_terminal else None))
+    if controller is not None and not draft.controller_text:
+        raise UsageError(f"--write-controller: the files of {draft.record.control} tell no figures of a model of time")
     if place is not None:
         write_text(place, draft.text)
+    if controller is not None:
+        write_text(controller, draft.controller_text)
     if toml:
         print(draft.text, end="")
         return 0
@@ -103,6 +119,9 @@ def _from_control(console: Console, files: list[str], toml: bool, poses: bool, w
     if place is not None:
         shown = printable(str(place))
         line = f"   {shown}: compare it with the real machine, `toolpace machines {shown} --poses`"
+        console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
+    if controller is not None:
+        line = f"   {printable(str(controller))}: give it with --controller"
         console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
     return 0
 
@@ -123,5 +142,5 @@ def _show_notes(console: Console, draft: MachineDraft) -> None:
     for remark in draft.record.remarks:
         console.print(Text.assemble(("note", "dim"), f"   {printable(remark)}"), soft_wrap=True)
     for name, figure in draft.record.control_figures.items():
-        line = printable(f"   {name} = {figure.number:g} ({figure.origin})")
+        line = printable(f"   {name} = {figure.words} ({figure.origin})")
         console.print(Text.assemble(("control", "dim"), line), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""A machine file from a record: TOML text in which each figure says where it is from."""
+"""A machine file, and a controller file, from a record: TOML text in which each figure says where it is from."""
 
 from __future__ import annotations
 
@@ -33,6 +33,8 @@ class MachineDraft:
     machine: Machine
     stand_ins: tuple[Question, ...]
     """What was taken for what the files lack."""
+    controller_text: str
+    """Of the controller file with the figures of the control's model of time; empty where the files tell none."""
 
 
 def read_control(paths: Sequence[str | Path], answers: Answers | None = None) -> MachineDraft:
@@ -48,13 +50,33 @@ def read_control(paths: Sequence[str | Path], answers: Answers | None = None) ->
     both = zip(machine.geometry.rotary_joints, machine.geometry.leanings)
     leanings = {name: words for name, words in both if name not in record.held}
     text = machine_text(record, answers.taken, leanings)
-    return MachineDraft(record, text, machine, tuple(answers.taken))
+    return MachineDraft(record, text, machine, tuple(answers.taken), controller_text(record))
 
 
 def machine_text(record: MachineRecord, stand_ins: Sequence[Question], leanings: Mapping[str, str]) -> str:
     """The text of a machine file; `leanings` says by joint what 30 degrees of it do to the tool axis."""
     shown = record.named(_short_names(record.files))
     return "\n".join([*_heading(shown, stand_ins), *_tables(shown, leanings)]) + "\n"
+
+
+def controller_text(record: MachineRecord) -> str:
+    """The text of a controller file like a built-in one, with the figures of [time]; empty without any."""
+    if not record.time_figures:
+        return ""
+    shown = record.named(_short_names(record.files))
+    lines = [
+        f"# From the files of a {shown.control} control: {', '.join(map(printable, shown.files))}.",
+        f"name = {toml_value(shown.name)}",
+        f"like = {toml_value(shown.controller)}",
+        f"note = {toml_value(f'figures from the files of its {shown.control} control')}",
+    ]
+    tables: dict[str, list[str]] = {"time": []}
+    for key, figure in shown.time_figures.items():
+        table, _, last = f"time.{key}".rpartition(".")
+        tables.setdefault(table, []).append(_line(last, figure))
+    for table, entries in tables.items():
+        lines += ["", f"[{table}]", *entries] if entries else []
+    return "\n".join(lines) + "\n"
 
 
 def _short_names(files: Sequence[str]) -> dict[str, str]:
