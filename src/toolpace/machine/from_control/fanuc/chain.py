@@ -17,9 +17,9 @@ all rotary axes at zero:
     19712 to 19714   from there to the first axis of the tool
     19666            from the end of the tool to D along the tool's axis
 
-That 4, 5 and 6 of 19682 count from X to Y, from Y to Z and from Z to X is from memory of the parameter manual
-(assumption). The machine's position is that of the controlled point. It is on the first axis of rotation of the tool, or
-at the end of the tool where 19665#5 (SVC) shifts it there (19665#4 = 0); a shift of one's own (19667) is not read.
+That 4, 5 and 6 of 19682 count from X to Y, from Y to Z and from Z to X is an assumption, which the written file says.
+The machine's position is that of the controlled point. It is on the first axis of rotation of the tool, or at the end of
+the tool where 19665#5 (SVC) shifts it there (19665#4 = 0); a shift of one's own (19667) is not read.
 """
 
 from __future__ import annotations
@@ -187,6 +187,8 @@ def _direction(parameters: Parameters, number: int, angle_number: int, sense_num
         inclined = 0.0 if angle is None else math.radians(angle.number)
         origins += () if angle is None else angle.origins
         parts = [0.0, 0.0, 0.0]
+        turn = f"{'XYZ'[start]} to {'YZX'[start]}"
+        origins += (Origin(f"assumption: {code.number:g} inclines from {turn}"),)
         parts[start], parts[(start + 1) % 3] = math.cos(inclined), math.sin(inclined)
         vector = (parts[0], parts[1], parts[2])
     sign = -1.0 if sense.number else 1.0

@@ -2,9 +2,9 @@
 
 Formats after the parameter manuals: `N01420A1P15000A2P15000` of 16i, 18i, 21i and 0i to 0i-C; `N01420Q1A1P15000.0`
 and `N19700Q1L1P10.0` of 30i, 31i, 32i and 0i-D (B-63950EN/02, chapter 3.3, pages 8 to 12; real numbers of 15i:
-B-63330EN/03, page 25). N is the parameter, A an axis, L a path, S a spindle, T a machine group; P, M and I go before the
-value, M and I with millimetres and inches. Q1 is parameters, other Q are other data. Bits are eight digits, the last one
-bit 0.
+B-63330EN/03, page 25). N is the parameter, A an axis, L a path, S a spindle, T a machine group; P, M or I goes before
+the value, M and I with millimetres and inches. Q1 is parameters, other Q are other data. Bits are eight digits, the
+last one bit 0.
 
 Old controls keep whole numbers in their least increment, newer ones real numbers with a decimal point. A number without
 one is read as the former only where nothing in the file is of the latter.
@@ -22,7 +22,7 @@ from toolpace.machine.from_control.record import Figure, Origin
 
 MOST_LINES = 200_000
 """Of one file: a control with ten paths punches some twenty thousand."""
-LINE = re.compile(r"\s*N\s*(\d{1,5})(?=[\sQALSTPMI])((?:\s*[A-Z]\s*[-+]?[\d.]*)*)\s*;?\s*$")
+LINE = re.compile(r"\s*N\s*(\d{1,5})((?:\s*[QALSTPMI]\s*[-+]?[\d.]*)+)\s*;?\s*$")
 _WORD = re.compile(r"([A-Z])\s*([-+]?[\d.]*)")
 _NUMBER = re.compile(r"[-+]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})")
 LENGTHS = frozenset({1320, 1321, 19666, 19667, *range(19700, 19706), *range(19709, 19715)})
