@@ -142,7 +142,7 @@ REFUSED = {
     "another kind": (TRUNNION, {19680: "N19680Q1L1P17"}, "N19680 L1 = 17; 2 .tool., 12 .table. and 21"),
     "a tilted tool": (TRUNNION, {19698: "N19698Q1L1P10.0"}, "N19698 L1 = 10 deg: a tool that is tilted"),
     "a shift of one's own": (MIXED, {19665: "N19665Q1L1P00110000"}, "N19665 L1 #4 = 1: a shift .* 19667"),
-    "two values": (TRUNNION, {1772: "N01772Q1L1P20\nN01772Q1L1P30"}, r"N01772 L1 = 30 contradicts .*para.txt:\d+ N01772"),
+    "two values": (TRUNNION, {1772: "N01772Q1L1P20\nN01772Q1L1P30"}, r"N01772 L1 = 30 contradicts .*:\d+ N01772"),
     "travel without length": (TRUNNION, {1321: "N01321Q1A1P500.0"}, "N01320 A1 = 500 is not above .*N01321 A1 = 500"),
     "no decimal point": (TRUNNION, {1321: "N01321Q1A1P-500"}, "N01321 A1 = -500 has no decimal point, and .* Q1"),
     "a limit below zero": (TRUNNION, {1420: "N01420Q1A1P-30.0"}, "N01420 A1 = -30; give a number above zero"),

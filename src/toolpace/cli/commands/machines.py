@@ -24,8 +24,8 @@ FromFiles = Annotated[
     Parameter(
         name="--from",
         consume_multiple=True,
-        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI, of a Fanuc the parameters"
-        " as punched. Files that an INI names are found beside it, or given too.",
+        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI, of a Fanuc the"
+        " parameters as punched. Files that an INI names are found beside it, or given too.",
     ),
 ]
 WriteMachine = Annotated[

@@ -18,8 +18,8 @@ all rotary axes at zero:
     19666            from the end of the tool to D along the tool's axis
 
 That 4, 5 and 6 of 19682 count from X to Y, from Y to Z and from Z to X is an assumption, which the written file says.
-The machine's position is that of the controlled point. It is on the first axis of rotation of the tool, or at the end of
-the tool where 19665#5 (SVC) shifts it there (19665#4 = 0); a shift of one's own (19667) is not read.
+The machine's position is that of the controlled point. It is on the first axis of rotation of the tool, or at the end
+of the tool where 19665#5 (SVC) shifts it there (19665#4 = 0); a shift of one's own (19667) is not read.
 """
 
 from __future__ import annotations
