@@ -94,7 +94,7 @@ def test_each_figure_names_its_line_and_a_controller_file_has_those_of_the_model
     assert 'velocity = "30000 mm/min"           # para.txt:9 N01420 A1' in draft.text
     assert "travel = [-500, 500]                # mm; para.txt:8 N01321 A1 and para.txt:7 N01320 A1" in draft.text
     place = tmp_path / "my-fanuc.toml"
-    place.write_text(draft.controller_text)
+    place.write_text(draft.controller)
     figures = Controller.load(place).time
     assert figures["model"] == "fanuc"
     assert figures["fanuc"] == {

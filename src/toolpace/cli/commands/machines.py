@@ -35,7 +35,7 @@ WriteController = Annotated[
     str | None,
     Parameter(
         name="--write-controller",
-        help="With --from: write the figures of the control's model of time to this file (.toml), for --controller.",
+        help="With --from: write the figures by which the control moves to this file (.toml), for --controller.",
     ),
 ]
 
@@ -72,9 +72,9 @@ def machines_command(
         if name is not None:
             raise UsageError(f"machine {name[:40]} and --from: give one of both")
         return _from_control(console, from_files, toml, poses, write, write_controller)
-    for option, file in (("--write", write), ("--write-controller", write_controller)):
-        if file is not None:
-            raise UsageError(f"{option} goes with --from FILE...: the machine is made from its control's files")
+    for option, place in (("--write", write), ("--write-controller", write_controller)):
+        if place is not None:
+            raise UsageError(f"{option} goes with --from FILE...: what it writes is made from a control's files")
     if toml or poses:
         machine = Machine.load(arguments.one_machine(name, toml, poses))
         if toml:
@@ -90,7 +90,7 @@ def machines_command(
 def _from_control(
     console: Console, files: list[str], toml: bool, poses: bool, write: str | None, write_controller: str | None
 ) -> int:
-    """Show the machine that the files tell, or write it."""
+    """Show the machine that the files tell, or write it, and the controller."""
     from toolpace.cli import arguments, summary
     from toolpace.common.files import write_text
     from toolpace.machine.from_control import read_control
@@ -99,15 +99,15 @@ def _from_control(
     if toml and poses:
         raise UsageError("--toml and --poses: one at a time, so that what is printed by --toml is a machine file")
     place = arguments.file_for_result("--write", write)
-    controller = arguments.file_for_result("--write-controller", write_controller)
+    controller_place = arguments.file_for_result("--write-controller", write_controller)
     at_terminal = place is not None and sys.stdin.isatty() and sys.stdout.isatty()
     draft = read_control([Path(file) for file in files], Answers(_ask if at_terminal else None))
-    if controller is not None and not draft.controller_text:
-        raise UsageError(f"--write-controller: the files of {draft.record.control} tell no figures of a model of time")
+    if controller_place is not None and not draft.controller:
+        raise UsageError(f"--write-controller: files of {draft.record.control} have no figures that a model here takes")
     if place is not None:
         write_text(place, draft.text)
-    if controller is not None:
-        write_text(controller, draft.controller_text)
+    if controller_place is not None:
+        write_text(controller_place, draft.controller)
     if toml:
         print(draft.text, end="")
         return 0
@@ -120,8 +120,8 @@ def _from_control(
         shown = printable(str(place))
         line = f"   {shown}: compare it with the real machine, `toolpace machines {shown} --poses`"
         console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
-    if controller is not None:
-        line = f"   {printable(str(controller))}: give it with --controller"
+    if controller_place is not None:
+        line = f"   {printable(str(controller_place))}: give it with --controller"
         console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
     return 0
 

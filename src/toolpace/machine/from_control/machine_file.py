@@ -1,4 +1,4 @@
-"""A machine file, and a controller file, from a record: TOML text in which each figure says where it is from."""
+"""A machine file and a controller file from a record: TOML text in which each figure says where it is from."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from toolpace.machine.from_control.readers import read_record
 from toolpace.machine.from_control.record import Figure, MachineRecord, Value
 from toolpace.machine.from_control.stand_ins import Answers, Question, complete
 from toolpace.machine.machine import Machine
+from toolpace.machine.plausibility import LONGEST_NAME
 
 CHAIN = ("workpiece", "workpiece_origin", "workpiece_x", "workpiece_z", "tool", "spindle_nose", "tool_axis",
          "tool_length")  # fmt: skip
@@ -33,8 +34,8 @@ class MachineDraft:
     machine: Machine
     stand_ins: tuple[Question, ...]
     """What was taken for what the files lack."""
-    controller_text: str
-    """Of the controller file with the figures of the control's model of time; empty where the files tell none."""
+    controller: str
+    """Text of the controller file; empty where the files tell no figures of how the control moves."""
 
 
 def read_control(paths: Sequence[str | Path], answers: Answers | None = None) -> MachineDraft:
@@ -60,22 +61,22 @@ def machine_text(record: MachineRecord, stand_ins: Sequence[Question], leanings:
 
 
 def controller_text(record: MachineRecord) -> str:
-    """The text of a controller file like a built-in one, with the figures of [time]; empty without any."""
-    if not record.time_figures:
+    """The text of a controller file with the figures of a control; empty where there are none."""
+    if not record.timing:
         return ""
     shown = record.named(_short_names(record.files))
     lines = [
-        f"# From the files of a {shown.control} control: {', '.join(map(printable, shown.files))}.",
-        f"name = {toml_value(shown.name)}",
-        f"like = {toml_value(shown.controller)}",
-        f"note = {toml_value(f'figures from the files of its {shown.control} control')}",
+        f"# From the files of a {record.control} control: {', '.join(map(printable, record.files))}.",
+        f"name = {toml_value(f'{record.name} control'[:LONGEST_NAME])}",
+        f"like = {toml_value(record.controller)}",
     ]
-    tables: dict[str, list[str]] = {"time": []}
-    for key, figure in shown.time_figures.items():
-        table, _, last = f"time.{key}".rpartition(".")
-        tables.setdefault(table, []).append(_line(last, figure))
-    for table, entries in tables.items():
-        lines += ["", f"[{table}]", *entries] if entries else []
+    table = ""
+    for key, figure in sorted(shown.timing.items(), key=lambda item: item[0].rpartition(".")[0]):
+        *of_model, name = key.split(".")
+        if (heading := ".".join(["time", *of_model])) != table:
+            lines += ["", f"[{heading}]"]
+            table = heading
+        lines.append(_line(name, figure))
     return "\n".join(lines) + "\n"
 
 

@@ -98,9 +98,9 @@ class MachineRecord:
     control_figures: dict[str, Figure] = field(default_factory=dict)
     """What the control limits beside the joints, as the path's velocity; by a name with its unit."""
     controller: str = ""
-    """Name of the built-in controller file that the machine's own is like; empty where none is written."""
-    time_figures: dict[str, Figure] = field(default_factory=dict)
-    """Figures of the controller file's model of time, by their keys in its table [time], as `fanuc.bell_time`."""
+    """The built-in controller that its controller file is `like`; empty where there is none."""
+    timing: dict[str, Figure] = field(default_factory=dict)
+    """Keys of the table [time] of its controller file, as `tolerance` and `sinumerik.overload` (docs/commands.md)."""
     held: list[str] = field(default_factory=list)
     """Turning joints that the machine does not have: at rest, since every machine here has two."""
     remarks: list[str] = field(default_factory=list)
@@ -120,7 +120,7 @@ class MachineRecord:
             joints={joint: each(figures) for joint, figures in self.joints.items()},
             machine_zero=each(self.machine_zero),
             control_figures=each(self.control_figures),
-            time_figures=each(self.time_figures),
+            timing=each(self.timing),
         )
 
 

@@ -68,7 +68,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
         record.machine_zero[letter] = Figure(0.0, (Origin("machine coordinates are positions of the joints"),))
     record.control_figures |= dict(_control_figures(parameters, used))
     record.controller = "fanuc"
-    record.time_figures |= dict(_time_figures(parameters, used, record))
+    record.timing |= dict(_timing(parameters, used, record))
     _add_remarks(parameters, record, axes)
     return record
 
@@ -122,7 +122,7 @@ def _together(words: str, unit: str, found: dict[str, Figure | None]) -> Iterato
         yield f"{words} of {', '.join(there)} [{unit}]", Figure(values, origins)
 
 
-def _time_figures(
+def _timing(
     parameters: Parameters, axes: Sequence[Axis], record: MachineRecord
 ) -> Iterator[tuple[str, Figure]]:
     """Figures of the model `fanuc` (controls/timing/makers.py); of several axes the one that slows down most."""
