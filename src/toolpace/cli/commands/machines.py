@@ -24,8 +24,9 @@ FromFiles = Annotated[
     Parameter(
         name="--from",
         consume_multiple=True,
-        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI. Files that it names are"
-        " found beside it, or given too.",
+        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI, of a Fanuc the"
+        " parameters as punched, of a Sinumerik machine data and swivel data as text. Files that an INI names are found"
+        " beside it, or given too.",
     ),
 ]
 WriteMachine = Annotated[
@@ -142,5 +143,5 @@ def _show_notes(console: Console, draft: MachineDraft) -> None:
     for remark in draft.record.remarks:
         console.print(Text.assemble(("note", "dim"), f"   {printable(remark)}"), soft_wrap=True)
     for name, figure in draft.record.control_figures.items():
-        line = printable(f"   {name} = {figure.number:g} ({figure.origin})")
+        line = printable(f"   {name} = {figure.words} ({figure.origin})")
         console.print(Text.assemble(("control", "dim"), line), soft_wrap=True)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.fanuc import reader as fanuc
 from toolpace.machine.from_control.linuxcnc import reader as linuxcnc
 from toolpace.machine.from_control.record import MachineRecord
 from toolpace.machine.from_control.sinumerik import reader as sinumerik
@@ -32,7 +33,7 @@ class Reader(Protocol):
         ...
 
 
-READERS: tuple[Reader, ...] = (linuxcnc, sinumerik)
+READERS: tuple[Reader, ...] = (linuxcnc, fanuc, sinumerik)
 
 
 def read_record(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:

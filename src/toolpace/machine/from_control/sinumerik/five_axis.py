@@ -116,7 +116,7 @@ def chain_of_transformation(
             figure = answers.numbers(question, 3)
         vectors[vector] = figure
     foreign = data.vector([(f"MC_TRAFO5_JOINT_OFFSET_PART_{found.count}", place) for place in range(3)])
-    if foreign is not None and any(np.array(foreign.value)) and "JOINT_OFFSET_PART" not in names.values():
+    if foreign is not None and any(foreign.vector) and "JOINT_OFFSET_PART" not in names.values():
         raise foreign.origins[0].error(
             f"is not 0, and {found.kind.origin} = {found.type} has {KINDS[kind]}: that vector is of type 56 alone"
         )
@@ -125,7 +125,7 @@ def chain_of_transformation(
         both.append(_axis(data, found, place, number, origin, axes, letters, answers) if number else None)
     _one_name(both)
     base = data.vector([(f"MC_TRAFO5_BASE_ORIENT_{found.count}", place) for place in range(3)])
-    tool = base if base is not None and any(np.array(base.value)) else ALONG_Z
+    tool = base if base is not None and any(base.vector) else ALONG_Z
     return VectorChain(kind_figure, (both[0], both[1]), vectors, tool)
 
 
@@ -155,11 +155,11 @@ def _axis(
         on_table = kind == "P" or (kind == "M" and place == 1)
         stated = data.vector([(name, k) for k in range(3)])
         direction = _ask_direction(f"${name}", axis, on_table, answers) if stated is None else stated
-        if not any(np.array(direction.value)):
+        if not any(direction.vector):
             raise direction.origins[0].error("is no direction; give its components, as 0, 0, 1")
     sign = data.datum(f"MC_TRAFO5_ROT_SIGN_IS_PLUS_{found.count}", place)
     if sign is not None and not sign.number():
-        turned_round = tuple(-part + 0.0 for part in np.array(direction.value))
+        turned_round = tuple(-part + 0.0 for part in direction.vector)
         direction = Figure(turned_round, (*direction.origins, sign.origin))
     start = data.figure(f"MC_TRAFO5_ROT_AX_OFFSET_{found.count}", place)
     return SwivelAxis(joint_name(axis, direction), direction, start or Figure(0.0, ()), axis)
@@ -176,8 +176,7 @@ def joint_name(axis: ChannelAxis, direction: Figure) -> str:
     """A, B or C: the letter of an axis, or of the direction that is nearest to its own."""
     if axis.letter in tuple(TURNING):
         return axis.letter
-    parts = np.abs(np.array(direction.value))
-    return TURNING[int(parts.argmax())]
+    return TURNING[int(np.abs(direction.vector).argmax())]
 
 
 def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
@@ -193,7 +192,7 @@ def carrier_numbers(data: MachineData) -> list[int]:
     """Swivel data sets that turn an axis."""
     numbers = [number for number in data.numbers("TC_CARR") if number > 0]
     first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
-    return [number for number, figure in first.items() if figure is not None and any(np.array(figure.value))]
+    return [number for number, figure in first.items() if figure is not None and any(figure.vector)]
 
 
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
@@ -225,7 +224,7 @@ def chain_of_carrier(
     vectors = {}
     for name, first in CARRIER.items():
         figure = data.vector([(f"TC_CARR{first + k}", number) for k in range(3)])
-        if figure is not None and any(np.array(figure.value)):
+        if figure is not None and any(figure.vector):
             if FOREIGN.get(kind) == name:
                 raise figure.origins[0].error(
                     f"is not 0, and {kind_origin} = {kind} has {KINDS[kind]}: {name} is of the other side; correct one"
@@ -240,14 +239,14 @@ def chain_of_carrier(
 def _add_fine(data: MachineData, vectors: dict[str, Figure], name: str, number: int, remarks: list[str]) -> None:
     """Add the fine offset of a vector where the control does ($SC_TOCARR_FINE_CORRECTION)."""
     fine = data.vector([(f"TC_CARR{CARRIER[name] + 40 + k}", number) for k in range(3)])
-    if fine is None or not any(np.array(fine.value)):
+    if fine is None or not any(fine.vector):
         return
     switch = data.datum("SC_TOCARR_FINE_CORRECTION")
     if switch is None or not switch.number():
         remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
         return
     own = vectors.get(name, Figure((0.0, 0.0, 0.0), ()))
-    total = tuple(float(a) + float(b) for a, b in zip(np.array(own.value), np.array(fine.value)))
+    total = tuple(one + other for one, other in zip(own.vector, fine.vector))
     vectors[name] = Figure(total, own.origins + fine.origins)
 
 
@@ -256,7 +255,7 @@ def _carrier_axis(
 ) -> SwivelAxis | None:
     """An axis of a swivel data set; None where its direction is 0."""
     direction = data.vector([(f"TC_CARR{7 + 3 * place + k}", number) for k in range(3)])
-    if direction is None or not any(np.array(direction.value)):
+    if direction is None or not any(direction.vector):
         return None
     start = data.figure(f"TC_CARR{24 + place}", number) or Figure(0.0, ())
     for item in (21 + place, 35 + place):
@@ -267,7 +266,7 @@ def _carrier_axis(
             if datum.word() == axis.name or datum.word() in axis.words:
                 return SwivelAxis(joint_name(axis, direction), direction, start, axis)
         raise datum.origin.error(f"= {datum.word()[:20]}, and the channel has no such axis; give its channel data too")
-    usual = TURNING[int(np.abs(np.array(direction.value)).argmax())]
+    usual = TURNING[int(np.abs(direction.vector).argmax())]
     which = f"letter of axis {place + 1} of swivel data set {number} (A, B, C)"
     question = Question(which, usual, "by its direction; no datum names it")
     letter = str(answers.choice(question, tuple(TURNING)).value)

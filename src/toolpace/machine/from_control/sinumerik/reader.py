@@ -145,7 +145,7 @@ def _closed(chain: VectorChain, unit: float) -> VectorChain:
     for end in chain.open_ends(unit):
         if end.vector.any() and end.others:
             raise end.figure.origins[0].error(
-                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which take "
+                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which needs "
                 f"{_shown(end.wanted)}; correct one of them, or set it to 0 for a head or table that is changed"
             )
     return chain
@@ -164,7 +164,7 @@ def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> 
             raise other.direction.origins[0].error(
                 f"is of the axis {other.name}, where {one.direction.origin} is of {one.name}; correct one of both"
             )
-        first, second = (np.array(each.direction.value) for each in (one, other))
+        first, second = (np.array(each.direction.vector) for each in (one, other))
         cosine = float(first @ second / np.linalg.norm(first) / np.linalg.norm(second))
         if cosine < 0.0:
             raise other.direction.origins[0].error(
@@ -185,7 +185,7 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
         shown, wanted = _shown(end.vector), _shown(end.wanted)
         if end.vector.any() and np.abs(end.vector + end.wanted).max() * unit < SAME:
             raise end.figure.origins[0].error(
-                f"is {shown}, and {end.of_others} take {wanted} to close the chain: the sign of one of them is wrong"
+                f"is {shown}, and {end.of_others} needs {wanted} to close the chain: the sign of one of them is wrong"
             )
         record.remarks.append(
             f"{end.figure.origin} is {shown} [{record.length.value}], and {wanted} would close the chain: positions "

@@ -198,7 +198,7 @@ class VectorChain:
 
 
 def _array(figure: Figure) -> Floats:
-    return np.array(figure.value, dtype=np.float64)
+    return np.array(figure.vector)
 
 
 def _unit(figure: Figure) -> Floats:
