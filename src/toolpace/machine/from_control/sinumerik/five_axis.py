@@ -18,7 +18,7 @@ import numpy as np
 from toolpace.machine.from_control.record import Figure, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import Datum, MachineData
-from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, SwivelAxis, VectorChain
+from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, SwivelAxis, VectorChain, is_direction
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING
 
@@ -125,7 +125,7 @@ def chain_of_transformation(
         both.append(_axis(data, found, place, number, origin, axes, letters, answers) if number else None)
     _one_name(both)
     base = data.vector([(f"MC_TRAFO5_BASE_ORIENT_{found.count}", place) for place in range(3)])
-    tool = base if base is not None and any(base.vector) else ALONG_Z
+    tool = base if base is not None and is_direction(base) else ALONG_Z
     return VectorChain(kind_figure, (both[0], both[1]), vectors, tool)
 
 
@@ -155,7 +155,7 @@ def _axis(
         on_table = kind == "P" or (kind == "M" and place == 1)
         stated = data.vector([(name, k) for k in range(3)])
         direction = _ask_direction(f"${name}", axis, on_table, answers) if stated is None else stated
-        if not any(direction.vector):
+        if not is_direction(direction):
             raise direction.origins[0].error("is no direction; give its components, as 0, 0, 1")
     sign = data.datum(f"MC_TRAFO5_ROT_SIGN_IS_PLUS_{found.count}", place)
     if sign is not None and not sign.number():
@@ -192,7 +192,7 @@ def carrier_numbers(data: MachineData) -> list[int]:
     """Swivel data sets that turn an axis."""
     numbers = [number for number in data.numbers("TC_CARR") if number > 0]
     first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
-    return [number for number, figure in first.items() if figure is not None and any(figure.vector)]
+    return [number for number, figure in first.items() if figure is not None and is_direction(figure)]
 
 
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
@@ -255,7 +255,7 @@ def _carrier_axis(
 ) -> SwivelAxis | None:
     """An axis of a swivel data set; None where its direction is 0."""
     direction = data.vector([(f"TC_CARR{7 + 3 * place + k}", number) for k in range(3)])
-    if direction is None or not any(direction.vector):
+    if direction is None or not is_direction(direction):
         return None
     start = data.figure(f"TC_CARR{24 + place}", number) or Figure(0.0, ())
     for item in (21 + place, 35 + place):

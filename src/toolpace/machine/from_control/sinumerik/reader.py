@@ -188,8 +188,8 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
                 f"is {shown}, and {end.of_others} needs {wanted} to close the chain: the sign of one of them is wrong"
             )
         record.remarks.append(
-            f"{end.figure.origin} is {shown} [{record.length.value}], and {wanted} would close the chain: positions "
-            "with the transformation and without differ."
+            f"{end.name} is {shown} [{record.length.value}] ({end.figure.origin}), and {wanted} would close the chain: "
+            "positions with the transformation and without differ by that, and so do zero offsets."
         )
 
 

@@ -63,6 +63,7 @@ class SwivelAxis:
 class OpenEnd(NamedTuple):
     """A closing vector that does not take back what others lead."""
 
+    name: str
     figure: Figure
     others: list[Figure]
     vector: Floats
@@ -105,7 +106,7 @@ class VectorChain:
             if np.abs(last - wanted).max() * unit > CLOSED:
                 own = self.vectors.get(name, Figure((0.0, 0.0, 0.0), self.kind.origins))
                 led = [self.vectors[each] for each in others if each in self.vectors]
-                found.append(OpenEnd(own, led, last, wanted))
+                found.append(OpenEnd(name, own, led, last, wanted))
         return found
 
     def place(self, record: MachineRecord) -> None:
@@ -195,6 +196,11 @@ class VectorChain:
                 if (along > SHARE) if table else (along < -SHARE):
                     found.append(axis.name)
         return found
+
+
+def is_direction(figure: Figure) -> bool:
+    """Whether a vector is long enough to be a direction."""
+    return math.hypot(*figure.vector) > SHARE
 
 
 def _array(figure: Figure) -> Floats:
