@@ -5,7 +5,9 @@ axes along X, Y, Z (Function Manual Transformations, F2, 06/2019, page 148); 24,
 their own; 72 takes those of $TC_CARR (Commissioning Manual Operate IM9, 12/2017, page 572). TRAFO5 data are numbered by
 five-axis transformations alone. Which of them is which vector is on that page; of types 48 to 51 JOINT_OFFSET leads
 from machine zero to the axis of the table (MD24560). MD24520 ROT_SIGN_IS_PLUS = 0 turns a direction round; that the
-table of an older type turns by the right-hand rule with 1 is read from MD24810, which says so of TRACYL (assumption).
+table of an older type turns by the right-hand rule with 1 is read from MD24810, which says so of TRACYL (assumption:
+swivel data decide where they are there). That MD24510 is the position from which turns count, as $TC_CARR24 is, is an
+assumption too.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import numpy as np
 from toolpace.machine.from_control.record import Figure, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import Datum, MachineData
-from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, SwivelAxis, VectorChain, is_direction
+from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, ON_TABLE, SwivelAxis, VectorChain, is_direction
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING
 
@@ -59,6 +61,11 @@ class Transformation:
     @property
     def type(self) -> int:
         return int(self.kind.number())
+
+    @property
+    def is_by_letters(self) -> bool:
+        """Whether the type itself names what its axes turn about."""
+        return bool(TYPES[self.type][1])
 
     def names_axes(self, data: MachineData) -> bool:
         """Whether the files say which axes go into it."""
@@ -152,9 +159,8 @@ def _axis(
         direction = Figure(ALONG[letter], (found.kind.origin,))
     else:
         name = f"MC_TRAFO5_AXIS{place + 1}_{found.count}"
-        on_table = kind == "P" or (kind == "M" and place == 1)
         stated = data.vector([(name, k) for k in range(3)])
-        direction = _ask_direction(f"${name}", axis, on_table, answers) if stated is None else stated
+        direction = _ask_direction(f"${name}", axis, ON_TABLE[kind][place], answers) if stated is None else stated
         if not is_direction(direction):
             raise direction.origins[0].error("is no direction; give its components, as 0, 0, 1")
     sign = data.datum(f"MC_TRAFO5_ROT_SIGN_IS_PLUS_{found.count}", place)

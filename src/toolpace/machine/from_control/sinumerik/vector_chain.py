@@ -43,6 +43,8 @@ TOOL = {"T": ("I1", "I2", "I3"), "P": (), "M": ("I1", "I2")}
 """Vectors on the tool's side by kind, from the slide to the nose."""
 TABLE = {"T": (), "P": ("I2", "I3", "I4"), "M": ("I3", "I4")}
 """Vectors on the table's side, from machine zero to the zero point of the table."""
+ON_TABLE = {"T": (False, False), "P": (True, True), "M": (False, True)}
+"""Whether each axis carries the workpiece, by kind."""
 CLOSING = {"T": (("I1", ("I2", "I3")),), "P": (("I4", ("I2", "I3")),), "M": (("I1", ("I2",)), ("I4", ("I3",)))}
 """The vectors that close a chain, and those that each of them takes back."""
 
@@ -188,9 +190,8 @@ class VectorChain:
 
     def against_iso(self) -> list[str]:
         """Axes that turn the tool, as the part sees it, against the right-hand rule about X, Y or Z (ISO 841)."""
-        on_table = {"T": (False, False), "P": (True, True), "M": (False, True)}[str(self.kind.value)]
         found = []
-        for axis, table in zip(self.axes, on_table):
+        for axis, table in zip(self.axes, ON_TABLE[str(self.kind.value)]):
             if axis is not None and axis.name in ALONG:
                 along = float(_unit(axis.direction) @ ALONG[axis.name])
                 if (along > SHARE) if table else (along < -SHARE):
