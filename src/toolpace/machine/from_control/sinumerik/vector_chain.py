@@ -28,7 +28,7 @@ from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
 from toolpace.machine.from_control.unplaced_axes import ALONG, hold_at_rest
-from toolpace.machine.geometry import turned
+from toolpace.machine.geometry import parallel, turned
 
 CLOSED = 0.002
 """Sum of a closed chain [mm]: measured figures are rounded to a micrometre."""
@@ -36,8 +36,6 @@ SHARE = 1e-9
 """Below it a component is rounding."""
 DIGITS = 12
 """Decimal places that are written."""
-PARALLEL = 1e-6
-"""Sine below which two directions count as parallel."""
 KINDS = {"T": "both axes in the head", "P": "both axes in the table", "M": "one axis in the head, one in the table"}
 TOOL = {"T": ("I1", "I2", "I3"), "P": (), "M": ("I1", "I2")}
 """Vectors on the tool's side by kind, from the slide to the nose."""
@@ -117,10 +115,10 @@ class VectorChain:
         head, table = {"T": (self.axes, ()), "P": ((), self.axes), "M": (self.axes[:1], self.axes[1:])}[kind]
         on_tool, on_table = ([axis.name for axis in side if axis is not None] for side in (head, table))
         if len(on_tool + on_table) < 2:
-            held = "A" if self._turns_about_tool() else "C"
+            held, about_tool = self._held()
             hold_at_rest(record, held)
-            # nearest the tool what turns about another axis than it; nearest the part what turns about the tool
-            if held == "C":
+            # nearer to the tool than one that turns about it, else nearest the part
+            if not about_tool:
                 on_table = [*on_table, held]
             elif on_table:
                 on_table = [held, *on_table]
@@ -143,10 +141,12 @@ class VectorChain:
             if np.abs(value - usual).max() > SHARE:
                 record.chain[key] = Figure(_rounded(value), origins)
 
-    def _turns_about_tool(self) -> bool:
-        """Whether the only axis turns about the tool."""
+    def _held(self) -> tuple[str, bool]:
+        """The letter of an axis beside the only one, across it, and whether that one turns about the tool."""
         only = next(axis for axis in self.axes if axis is not None)
-        return bool(np.linalg.norm(np.cross(_unit(only.direction), _unit(self.tool))) < PARALLEL)
+        about_tool = parallel(_unit(only.direction), _unit(self.tool))
+        letters = (letter for letter in ("AB" if about_tool else "CAB") if letter != only.name)
+        return next(each for each in letters if not parallel(np.array(ALONG[each]), _unit(only.direction))), about_tool
 
     def _side(
         self,
