@@ -152,6 +152,7 @@ REFUSED = {
     "no letter": (TRUNNION, {1020: "N01020Q1A1P8"}, "N01020 A1 = 8 is the code of no letter"),
     "a word that is none": (TRUNNION, {1420: "N01420Q1A1P30.0X5"}, "'N01420Q1A1P30.0X5' is no line of a parameter"),
     "a number that is none": (TRUNNION, {1420: "N01420Q1A1P3.0.0"}, "'3.0.0' is not a number"),
+    "words without end": (TRUNNION, {1420: "N01420" + "P  " * 400 + "X"}, "is no line of a parameter"),
     "a program": (TRUNNION, {1420: "G10 L52\nN1420 P1 R30000\nG11"}, "'G10 L52' is a program that sets parameters"),
 }  # fmt: skip
 
