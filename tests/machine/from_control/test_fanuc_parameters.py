@@ -42,12 +42,20 @@ def _joint(tmp_path: Path, name: str, form: str = "30i", **changes: str | None):
         ("30i", "N01320Q1A1I9.84251968503937A2P500.0A3P450.0A4P130.0A5P-1.0"),
         ("30i", "N01320Q1A1P250.0A2P500.0A3P450.0A4P130.0A5P-1.0\nN01320Q0A1P9999"),
         ("16i", "N01320A1P2500000A2P5000000A3P4500000A4P1300000A5P-1"),
+        ("16i", "N01320 A1 P 2500000 A2 P 5000000 A3 P 4500000 A4 P 1300000 A5 P-1 "),
         ("16i", "N1320 P2500000 P5000000 P4500000 P1300000 P-1"),
     ],
 )
 def test_a_travel_is_read_in_each_format(form, line, tmp_path):
     assert _joint(tmp_path, "X", form, n1320=line).travel == pytest.approx((-0.5, 0.25))
     assert _joint(tmp_path, "A", form, n1320=line).travel == pytest.approx((-math.radians(130), math.radians(130)))
+
+
+def test_blocks_end_as_a_control_ends_them_and_its_number_may_follow_the_first_mark(tmp_path):
+    """LF CR CR counts as one end of a line; axes of which the letter is 0 are not there."""
+    text = parameters_text(TRUNNION, changes={1020: "N01020Q1A1P88A2P89A3P90A4P65A5P67A6P0 "}).replace("\n", "\n\r\r")
+    draft = _read(tmp_path, text.replace("%", "%(CNCID=3C7B5D01,F6914B1A)", 1))
+    assert "para.txt:9 N01420 A1" in draft.text and not draft.record.remarks and not draft.stand_ins
 
 
 @pytest.mark.parametrize(
