@@ -69,6 +69,30 @@ def test_whole_numbers_are_in_the_increment_of_their_axis(bits, least, tmp_path)
     assert low == pytest.approx(-20.0 * least)
 
 
+def test_the_increment_of_all_axes_is_in_1004(tmp_path):
+    """16i: 1004 bit 1 is IS-C."""
+    line = "N01320A1P2500000A2P5000000A3P4500000A4P1300000A5P-1"
+    assert _joint(tmp_path, "X", "16i", n1013=None, n1004="N01004P00000010", n1320=line).travel[1] == 0.25
+
+
+def test_an_acceleration_that_is_not_set_is_that_of_rapid_traverse(tmp_path):
+    """1660 is 100 000 mm/s^2 where it is 0, which no axis has."""
+    lines = {"n1660": "N01660Q1A1P100000.0A2P0.0", "n1671": "N01671Q1A1P3000.0A2P2000.0"}
+    assert _joint(tmp_path, "X", **lines).acceleration == pytest.approx(3.0)
+    assert _joint(tmp_path, "Y", **lines).acceleration == pytest.approx(2.0)
+
+
+def test_figures_of_the_model_are_in_millimetres_on_inch_machines(tmp_path):
+    lines = {1783: "N01783Q1A1P10.0A2P20.0A3P20.0A4P30.0A5P30.0"}
+    text = parameters_text(TRUNNION, inch=True, changes=lines)
+    assert _read(tmp_path, text).record.timing["fanuc.corner_difference"].number == pytest.approx(254.0)
+
+
+def test_the_direction_of_the_tool_is_an_assumption_where_it_is_not_set(tmp_path):
+    draft = _read(tmp_path, parameters_text(TRUNNION, changes={19697: None}))
+    assert "tool_axis = [0, 0, 1]               # assumption: N19697 is not set" in draft.text
+
+
 def test_whole_numbers_of_inch_machines_are_ten_times_finer_and_feeds_tenths(tmp_path):
     """IS-B: 0.0001 inch and 0.1 inch/min, but 0.001 deg and 1 deg/min."""
     lines = {1001: "N01001P00000001", 1013: None, 1420: "N01420A1P9600A2P9600A3P9600A4P5400A5P5400",
@@ -97,7 +121,7 @@ def test_jerk_is_the_acceleration_over_the_longer_of_two_times(tmp_path):
 
 def test_each_figure_names_its_line_and_a_controller_file_has_those_of_the_model(tmp_path):
     lines = {1772: "N01772Q1L1P60", 1783: "N01783Q1A1P400.0A2P300.0A3P500.0A4P600.0A5P700.0",
-             1735: "N01735Q1A1P2500.0A2P5000.0A3P4000.0", 1789: "N01789Q1A1P90.0A2P80.0A3P70.0"}  # fmt: skip
+             1735: "N01735Q1A1P5000.0A2P5000.0A3P2000.0", 1789: "N01789Q1A1P90.0A2P80.0A3P70.0"}  # fmt: skip
     draft = _read(tmp_path, parameters_text(TRUNNION, changes=lines))
     assert 'velocity = "30000 mm/min"           # para.txt:9 N01420 A1' in draft.text
     assert "travel = [-500, 500]                # mm; para.txt:8 N01321 A1 and para.txt:7 N01320 A1" in draft.text

@@ -59,10 +59,14 @@ def test_each_figure_names_its_line_and_a_controller_file_has_those_of_the_model
     place = tmp_path / "my-tnc.toml"
     place.write_text(draft.controller)
     assert Controller.load(place).time["heidenhain"] == {"path_jerk": 60, "path_jerk_rapid": 90}
-    place.write_text(_read(tmp_path, OBJECTS.replace(" axPathJerk:=", " axPathJerkHi:=400.0, axPathJerk:=")).controller)
+    own = OBJECTS.replace(" axPathJerk:=50.0", " axPathJerkHi:=400.0, axPathJerk:=50.0")
+    assert own.count("Hi:=400.0") == 2, "of X and Z"
+    draft = _read(tmp_path, own.replace(" axPathJerk:=40.0", " axPathJerkHi:=200.0, axPathJerk:=40.0"))
+    assert 'jerk = "50 m/s3"                    # 0.txt:8 CfgFeedLimits PX1 axPathJerk' in draft.text
+    place.write_text(draft.controller)
     figures = Controller.load(place).time["heidenhain"]
     assert figures == {"path_jerk": 70, "path_jerk_rapid": 100, "least_corner_feed": 25, "least_path_feed": 60,
-                       "axis_jerk_rapid": 8}  # fmt: skip
+                       "axis_jerk_rapid": 5}  # fmt: skip
 
 
 def test_the_example_of_the_manual_is_its_machine(tmp_path):
@@ -84,6 +88,30 @@ def test_the_example_of_the_manual_is_its_machine(tmp_path):
     # positive C turns the tool, as the workpiece sees it, right-handed about (0.016 - 298.923, 200.172)
     centre = np.array([0.016 - 298.923, 200.172]) * 1e-3
     assert tip[2][:2] == pytest.approx((centre[0] + centre[1], centre[1] - centre[0]), abs=1e-12)
+
+
+def test_without_a_base_the_linear_axes_move_the_tool(tmp_path):
+    """MachBase is for the picture of the machine alone: tip and axis are the same."""
+    whole = _read(tmp_path, PARAMETERS, TABLE).machine
+    machine = _read(tmp_path, PARAMETERS, TABLE.replace("MachBase", "CMO")).machine
+    assert machine.file.chain.tool == ("X", "Y", "Z", "B") and machine.file.chain.workpiece == ("C",)
+    q = np.random.default_rng(5).uniform(-0.4, 0.4, (3, 5))
+    assert machine.forward(q)[0] == pytest.approx(whole.forward(q)[0], abs=1e-12)
+
+
+def test_a_turn_behind_the_table_turns_the_workpiece(tmp_path):
+    table = TABLE.replace("[END]", "9    Trans      C    90\n[END]")
+    chain = _read(tmp_path, PARAMETERS, table).machine.file.chain
+    assert chain.workpiece_x == pytest.approx((0.0, 1.0, 0.0)) and chain.workpiece_z == (0.0, 0.0, 1.0)
+
+
+def test_an_object_may_count_against_its_direction(tmp_path):
+    """Once for a shift, of which the value has the other sign, once for an axis that turns the other way."""
+    text = OBJECTS.replace("dir:=Z, val:=220.0", "dir:=-Z, val:=-220.0")
+    assert text != OBJECTS
+    assert _read(tmp_path, text).machine.file.joints["B"].point == pytest.approx((0.0, 0.0, 0.22))
+    machine = _read(tmp_path, OBJECTS.replace("dir:=C", "dir:=-C")).machine
+    assert machine.file.joints["C"].direction == (0.0, 0.0, 1.0)
 
 
 def test_a_table_in_inches_is_read_and_told(tmp_path):
@@ -130,6 +158,13 @@ def test_a_machine_of_three_axes_has_two_held_at_rest(tmp_path):
     draft = _read(tmp_path, parameters_text(mill, {"MP100": "--ZYX"}), table)
     assert draft.record.held == ["A", "C"] and draft.machine.file.chain.workpiece == ("X", "Y", "A", "C")
     assert draft.machine.file.joints["X"].direction == (-1.0, 0.0, 0.0)
+
+
+def test_an_axis_that_turns_the_spindle_has_a_tilting_one_in_front_held_at_rest(tmp_path):
+    mill = Machine.load("xyzac-trunnion")
+    table = "NR KEY AXIS COORD\n0 MachAxis C\n1 MachAxis Z\n2 MachBase\n3 MachAxis X\n4 MachAxis Y\n[END]\n"
+    draft = _read(tmp_path, parameters_text(mill), table)
+    assert draft.record.held == ["A"] and draft.machine.file.chain.tool == ("Z", "C", "A")
 
 
 REFUSED = {
