@@ -230,7 +230,7 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
     words = [b"P", b"N", b"A9", b"L2", b"Q2", b".", b"-", b"9" * 30, b"I1.0", b"M", b"%", b"(", b"\xff", b"\r"]
     outcomes = {"read": 0, "refused": 0}
     place = tmp_path / "para.txt"
-    for _ in range(150):
+    for _ in range(120):
         text = bytearray(chance.choice(texts))
         for _ in range(chance.randrange(1, 5)):
             start = chance.randrange(len(text) + 1)

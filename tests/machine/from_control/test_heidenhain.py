@@ -92,6 +92,10 @@ def test_the_example_of_the_manual_is_its_machine(tmp_path):
 
 def test_without_a_base_the_linear_axes_move_the_tool(tmp_path):
     """MachBase is for the picture of the machine alone: tip and axis are the same."""
+    axes = "".join(f"{number} MachAxis {axis}\n" for number, axis in enumerate("ZYXBC"))
+    draft = _read(tmp_path, PARAMETERS, "NR KEY AXIS COORD\n" + axes)
+    assert draft.machine.file.chain.workpiece == ("B", "C")
+    assert any("1.txt does not end with [END]" in remark for remark in draft.record.remarks)
     whole = _read(tmp_path, PARAMETERS, TABLE).machine
     machine = _read(tmp_path, PARAMETERS, TABLE.replace("MachBase", "CMO")).machine
     assert machine.file.chain.tool == ("X", "Y", "Z", "B") and machine.file.chain.workpiece == ("C",)
@@ -188,6 +192,8 @@ REFUSED = {
     "no number": ((parameters_text(MIXED, {"MP1060.1": "fast"}), TABLE), "MP1060.1 = 'fast' is not a number"),
     "a comment that does not end": ((OBJECTS[:-20] + "(* " * 300_000,), "CfgKinComposModel has .* is the file whole"),
     "an object of blanks": ((OBJECTS + "CfgAxis(" + " " * 500_000 + ":=",), "CfgAxis has ':=' where an attribute"),
+    "more objects than a control has": ((OBJECTS + "".join(f'CfgA( key:="{k}" )\n' for k in range(20_001)),),
+        "CfgA .* is one of more than 20000 objects"),
     "another file": ((PARAMETERS, "hello\n"), "1.txt: has neither machine parameters, nor configuration objects"),
     "a table alone is not enough without letters": ((TABLE.replace("MachAxis   X", "MachAxis   U"),), "no axis X"),
 }  # fmt: skip
@@ -213,7 +219,7 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
     words = [b"(", b")", b"[", b":=", b'"', b"MP", b"Trans", b"\xff", b"--", b"(*", b"9" * 30, b"-", b".", b"\r"]
     outcomes = {"read": 0, "refused": 0}
     places = [tmp_path / "a.txt", tmp_path / "b.txt"]
-    for turn in range(150):
+    for turn in range(100):
         texts = [bytearray(text.encode()) for text in ((PARAMETERS, TABLE) if turn % 2 else (OBJECTS,))]
         for _ in range(chance.randrange(1, 4)):
             text = chance.choice(texts)

@@ -236,6 +236,8 @@ def _add_remarks(texts: Texts, record: MachineRecord, letters: dict[str, int], p
         record.remarks.append("axisRef, dir, val of kinematic objects are axis, direction and value (assumption).")
     if texts.inch_table is not None:
         record.remarks.append(f"{texts.inch_table}: lengths of the kinematics table are inches.")
+    if not texts.table_ends:
+        record.remarks.append(f"{texts.table} does not end with [END]: is it whole?")
     first = texts.parameters.get((7510, 0))
     if not placed and first is not None and first.text.strip("%0"):
         record.remarks.append(f"{first.origin} and following, the old kinematics, are not read: give a table.")

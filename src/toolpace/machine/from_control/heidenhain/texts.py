@@ -19,6 +19,8 @@ from toolpace.machine.from_control.record import Figure, Origin
 
 MOST_LINES = 200_000
 """Of one file."""
+MOST_OBJECTS = 20_000
+"""Of all files: a control has some thousand."""
 PARAMETER = re.compile(r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)", re.IGNORECASE)
 TABLE_HEADING = re.compile(r"\s*NR\s+(?:\S+\s+)*?KEY\s+AXIS\s+COORD\b", re.IGNORECASE)
 OBJECT = re.compile(r"\b(Cfg\w{1,60})\s*+\(", re.ASCII)
@@ -81,12 +83,20 @@ class Texts:
 
     parameters: dict[tuple[int, int], Entry] = field(default_factory=dict)
     """By number and index; index 0 where it has none."""
-    objects: list[ConfigurationObject] = field(default_factory=list)
+    by_name: dict[tuple[str, str], ConfigurationObject] = field(default_factory=dict)
+    """Configuration objects by kind and key."""
     rows: list[Row] = field(default_factory=list)
     table: str = ""
     """Name of the file with the kinematics table."""
     inch_table: Origin | None = None
     """Where the table says that its lengths are inches."""
+    table_ends: bool = True
+    """Whether the table ends with [END]."""
+
+    @property
+    def objects(self) -> list[ConfigurationObject]:
+        """All configuration objects, in their order."""
+        return list(self.by_name.values())
 
 
 def kind_of(file: ControlFile) -> str:
@@ -134,6 +144,7 @@ def _read_table(texts: Texts, file: ControlFile) -> None:
         raise ControlFileError(f"is a second kinematics table beside {texts.table}; give that in force", file=file.name)
     texts.table = file.name
     rows = False
+    texts.table_ends = False
     for number, line in enumerate(file.lines, 1):
         words = line.split()
         if not rows:
@@ -141,6 +152,7 @@ def _read_table(texts: Texts, file: ControlFile) -> None:
                 texts.inch_table = Origin("BEGIN ... INCH", file.name, number)
             rows = TABLE_HEADING.match(line) is not None
         elif words and words[0].upper() == "[END]":
+            texts.table_ends = True
             return
         elif match := _ROW.match(line):
             cells = match[2].split()
@@ -183,7 +195,8 @@ def _objects(file: ControlFile) -> Iterator[ConfigurationObject]:
 
 def _keep_object(texts: Texts, new: ConfigurationObject) -> None:
     """Keep an object; the control refuses a second one of the same name and key too."""
-    for other in texts.objects:
-        if (other.kind, other.key) == (new.kind, new.key):
-            raise new.origin.error(f"is there twice, as {other.origin}; remove one of both")
-    texts.objects.append(new)
+    other = texts.by_name.setdefault((new.kind, new.key), new)
+    if other is not new:
+        raise new.origin.error(f"is there twice, as {other.origin}; remove one of both")
+    if len(texts.by_name) > MOST_OBJECTS:
+        raise new.origin.error(f"is one of more than {MOST_OBJECTS} objects: give the files of one control alone")
