@@ -41,8 +41,11 @@ class ControlFile:
 
     @cached_property
     def lines(self) -> tuple[str, ...]:
-        """Its lines, without their ends; of each the first LONGEST_LINE characters."""
-        return tuple(line[:LONGEST_LINE] for line in self.text.splitlines())
+        """Its lines, without their ends; of each the first LONGEST_LINE characters.
+
+        LF CR CR is one end, with which Fanuc controls punch a block.
+        """
+        return tuple(line[:LONGEST_LINE] for line in self.text.replace("\n\r\r", "\n").splitlines())
 
 
 def load(path: Path, shown: str = "") -> ControlFile:

@@ -52,15 +52,7 @@ def place_axes(unplaced: Unplaced, letters: str) -> None:
     workpiece, _, tool = str(arrangement.value).partition("/")
     for letter in turning:
         _ask_where(unplaced, letter, letter in workpiece)
-    held = "C" if turning in ("A", "B") else "A" if turning == "C" else "AC" if not turning else ""
-    for letter in held:
-        hold_at_rest(record, letter)
-    if held == "AC":
-        workpiece = "AC"
-    elif held == "C":
-        workpiece += "C"
-    elif held == "A":
-        workpiece, tool = ("A" + workpiece, tool) if workpiece else (workpiece, tool + "A")
+    workpiece, tool = with_held_axes(record, turning, workpiece, tool)
     record.chain["workpiece"] = Figure(tuple(workpiece), arrangement.origins)
     record.chain["tool"] = Figure(("X", "Y", "Z", *tool), arrangement.origins)
     record.chain["spindle_nose"] = Figure((0.0, 0.0, 0.0), (Origin("the nose is at X, Y, Z"),))
@@ -98,6 +90,19 @@ def _ask_where(unplaced: Unplaced, letter: str, on_table: bool) -> None:
     answer = unplaced.answers.choice(sense, ("yes", "no"))
     sign = (-1.0 if on_table else 1.0) * (1.0 if answer.value == "yes" else -1.0)
     joint["direction"] = Figure(tuple(sign * part + 0.0 for part in ALONG[letter]), answer.origins)
+
+
+def with_held_axes(record: MachineRecord, turning: str, workpiece: str, tool: str) -> tuple[str, str]:
+    """Turning axes from the bed to workpiece and tool, with those held at rest that a machine here needs beside them.
+
+    turning: letters of those that the machine has, none to two.
+    """
+    held = "C" if turning in ("A", "B") else "A" if turning == "C" else "AC" if not turning else ""
+    for letter in held:
+        hold_at_rest(record, letter)
+    if held == "A":
+        return ("A" + workpiece, tool) if "C" in workpiece else (workpiece, tool + "A")
+    return workpiece + held, tool
 
 
 def hold_at_rest(record: MachineRecord, letter: str) -> None:

@@ -22,7 +22,7 @@ from toolpace.machine.from_control.record import Figure, Origin
 
 MOST_LINES = 200_000
 """Of one file: a control with ten paths punches some twenty thousand."""
-LINE = re.compile(r"\s*N\s*(\d{1,5})((?:\s*[QALSTPMI]\s*[-+]?[\d.]*)+)\s*;?\s*$")
+LINE = re.compile(r"\s*+N\s*+(\d{1,5})((?:\s*+[QALSTPMI]\s*+[-+]?[\d.]*+)++)\s*+;?\s*+$")
 _WORD = re.compile(r"([A-Z])\s*([-+]?[\d.]*)")
 _NUMBER = re.compile(r"[-+]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})")
 LENGTHS = frozenset({1320, 1321, 19666, 19667, *range(19700, 19706), *range(19709, 19715)})
