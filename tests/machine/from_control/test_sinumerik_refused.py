@@ -90,7 +90,7 @@ REFUSED = {
     "too much": ("table", {"$MA_MAX_AX_VELO[AX4]": "1e999"}, "is too large"),
     "no direction": ("table", {"$MC_TRAFO5_AXIS1_1[0]": "1e-300"}, "is no direction"),
     "a length beyond all": ("table", {"$MC_TRAFO5_BASE_TOOL_1[0]": "1e308"}, "is too large"),
-    "a factor of another kind": ("table", {"$MA_G00_ACCEL_FACTOR[AX4]": "150"}, "give a number between 0.01 and 100"),
+    "no acceleration with SOFT": ("table", {"$MA_SOFT_ACCEL_FACTOR[AX4]": "0"}, "give a number above zero"),
     "parallel axes": ("swivel table", {"$TC_CARR10[1]": "-1", "$TC_CARR12[1]": "0"}, "C and A are parallel"),
 }
 
