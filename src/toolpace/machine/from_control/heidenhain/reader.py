@@ -114,7 +114,7 @@ def _letters(texts: Texts, moved: str, answers: Answers) -> dict[str, int]:
     if missing:
         found = ", ".join(letters) or "none"
         raise ControlFileError(
-            f"the axes {found} are told, without {', '.join(missing)}; a machine here has X, Y and Z",
+            f"no axis {', '.join(missing)} among those that are told ({found}); a machine here has X, Y and Z",
             file=_first_file(texts),
         )
     return letters
