@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.support.sinumerik_archive import BY_LETTERS, GENERIC, Archive
+from tests.support.sinumerik_archive import BY_LETTERS, GENERIC, Archive, changed
 from toolpace.machine.from_control import read_control
 from toolpace.machine.machine import Machine
 
@@ -15,7 +15,7 @@ SAME = 1e-9
 """[m], and share of a limit."""
 TABLES_THAT_TURN_SLIDES = {"paper-ab"}
 """The part's slides stand on its turning axis: no transformation of the control has that."""
-FORMS = ("directions", "letters", "swivel data", "swivel data by type 72", "both")
+FORMS = ("directions", "letters", "letters and swivel data", "swivel data", "swivel data by type 72", "both")
 
 
 def _archive(name: str) -> Archive:
@@ -23,8 +23,13 @@ def _archive(name: str) -> Archive:
 
 
 def _lines(archive: Archive, form: str) -> list[str]:
-    if form == "letters":
-        return archive.transformation(1, 1, BY_LETTERS[archive.kind][archive.letters()])
+    if form.startswith("letters"):
+        # machine zero is where the transformation, which counts, has it: it is written last
+        carrier = archive.carrier(1) if form != "letters" else []
+        lines = archive.transformation(1, 1, BY_LETTERS[archive.kind][archive.letters()])
+        # swivel data alone say how a table of an older type turns
+        signs = {"$MC_TRAFO5_ROT_SIGN_IS_PLUS_1[1]": "TRUE"} if carrier and archive.kind != "T" else {}
+        return [*changed(lines, signs), *carrier]
     if form == "swivel data":
         return archive.carrier(1)
     if form == "swivel data by type 72":
@@ -38,7 +43,7 @@ def _can_be_told(name: str, form: str) -> bool:
     if name in TABLES_THAT_TURN_SLIDES:
         return False
     archive = _archive(name)
-    return form != "letters" or archive.letters() in BY_LETTERS[archive.kind]
+    return not form.startswith("letters") or archive.letters() in BY_LETTERS[archive.kind]
 
 
 CASES = [(name, form) for name in Machine.names() for form in FORMS if _can_be_told(name, form)]
@@ -78,7 +83,8 @@ def _sense(machine: Machine, name: str) -> float:
 def test_what_is_not_tried_cannot_be_told():
     tried = {form: {name for name, each in CASES if each == form} for form in FORMS}
     inclined_or_b_about_z = {"xyzbc-nutating", "xyzbc-nutating-large", "xyzab-trunnion-inch"}
-    assert set(Machine.names()) - tried["letters"] == TABLES_THAT_TURN_SLIDES | inclined_or_b_about_z
+    for form in ("letters", "letters and swivel data"):
+        assert set(Machine.names()) - tried[form] == TABLES_THAT_TURN_SLIDES | inclined_or_b_about_z
     for form in ("directions", "swivel data", "swivel data by type 72", "both"):
         assert set(Machine.names()) - tried[form] == TABLES_THAT_TURN_SLIDES
 

@@ -114,6 +114,8 @@ def test_fine_offsets_count_where_the_control_adds_them(tmp_path):
         (['$TC_CARR23[1]="P"', "$TC_CARR9[1]=-1", "$TC_CARR21[1]=C"], "workpiece < C < A < bed"),
         (['$TC_CARR23[1]="T"', "$TC_CARR8[1]=1", "$TC_CARR21[1]=B"], "workpiece < C < bed > X > Y > Z > B > tool"),
         (['$TC_CARR23[1]="T"', "$TC_CARR9[1]=1", "$TC_CARR21[1]=C"], "> Z > C > A > tool"),
+        (['$TC_CARR23[1]="P"', "$TC_CARR8[1]=-1", "$TC_CARR21[1]=C"], "workpiece < A < C < bed"),
+        (['$TC_CARR23[1]="P"', "$TC_CARR9[1]=-1", "$TC_CARR21[1]=B"], "workpiece < B < A < bed"),
     ],
 )
 def test_a_machine_with_one_turning_axis_has_the_other_at_rest(lines, wanted, tmp_path):

@@ -11,6 +11,7 @@ from toolpace.cli import main
 from toolpace.common.errors import UnitWarning
 from toolpace.controls.timing.figures import figures_of
 from toolpace.machine.from_control import read_control
+from toolpace.machine.from_control.control_file import ControlFileError
 from toolpace.machine.from_control.stand_ins import Answers
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
@@ -133,6 +134,18 @@ def test_axes_that_no_file_names_are_asked_for(tmp_path):
         lines = [line.replace(f"{word}]", f"{letter}1]") for line in lines]
     draft = _read(tmp_path, lines)
     assert not draft.stand_ins and _joint(draft, "X").jerk == TRUNNION.machine.file.joints["X"].jerk
+
+
+def test_the_first_axes_of_a_channel_have_their_default_names_and_machine_axes(tmp_path):
+    lines = ["$MN_SCALING_SYSTEM_IS_METRIC=1", "$MC_TRAFO_TYPE_1=21", "$MC_TRAFO5_BASE_TOOL_1[2]=260"]
+    for place, (name, number) in enumerate((("C", 5), ("B", 6), ("SP", 4)), 3):
+        lines += [f'$MC_AXCONF_CHANAX_NAME_TAB[{place}]="{name}"', f"$MC_AXCONF_MACHAX_USED[{place}]={number}"]
+    lines += [f"$MA_MAX_AX_VELO[AX{k}]={6000 * k}" for k in (1, 2, 3)]
+    machine = _read(tmp_path, lines).machine
+    assert machine.limits.velocity[:3] == pytest.approx([0.1, 0.2, 0.3])
+    assert machine.joints == ("X", "Y", "Z", "C", "B") and machine.kind == "head-head"
+    with pytest.raises(ControlFileError, match="for Y, and the channel has no such axis"):
+        _read(tmp_path, [*lines, "$MC_AXCONF_MACHAX_USED[0]=2"])
 
 
 def test_axes_without_a_transformation_are_asked_for_as_of_other_controls(tmp_path):

@@ -88,7 +88,8 @@ REFUSED = {
     "no number": ("table", {"$MA_MAX_AX_VELO[AX4]": "fast"}, "= 'fast' is no number"),
     "nothing": ("table", {"$MA_MAX_AX_VELO[AX4]": ""}, "= '' is no number"),
     "too much": ("table", {"$MA_MAX_AX_VELO[AX4]": "1e999"}, "is too large"),
-    "no direction": ("table", {"$MC_TRAFO5_AXIS1_1[0]": "0"}, "is no direction"),
+    "no direction": ("table", {"$MC_TRAFO5_AXIS1_1[0]": "1e-300"}, "is no direction"),
+    "a length beyond all": ("table", {"$MC_TRAFO5_BASE_TOOL_1[0]": "1e308"}, "is too large"),
     "a factor of another kind": ("table", {"$MA_G00_ACCEL_FACTOR[AX4]": "150"}, "give a number between 0.01 and 100"),
     "parallel axes": ("swivel table", {"$TC_CARR10[1]": "-1", "$TC_CARR12[1]": "0"}, "C and A are parallel"),
 }
@@ -113,7 +114,8 @@ def test_files_without_data_and_of_two_controls_are_refused(tmp_path):
 
 def test_open_chains_and_other_figures_of_two_sources_are_told(tmp_path):
     open_table = changed(ARCHIVES["table"], {"$MC_TRAFO5_PART_OFFSET_1[2]": "150"})
-    assert any("is (0, 0, 150) [mm], and (0, 0, 220)" in each for each in _read(tmp_path, open_table).record.remarks)
+    remarks = _read(tmp_path, open_table).record.remarks
+    assert any(each.startswith("I4 is (0, 0, 150) [mm] (") and "(0, 0, 220) would" in each for each in remarks)
     apart = changed(ARCHIVES["both"], {"$TC_CARR5[1]": "0.02", "$TC_CARR19[1]": "-0.02"})
     assert any("I2 of the swivel data is (0, 0.02, -220)" in each for each in _read(tmp_path, apart).record.remarks)
     two = [*ARCHIVES["swivel table"], *TABLE.carrier(2)]

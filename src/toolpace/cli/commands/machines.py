@@ -25,8 +25,8 @@ FromFiles = Annotated[
         name="--from",
         consume_multiple=True,
         help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI, of a Fanuc the"
-        " parameters as punched, of a Heidenhain machine parameters and kinematics. Files that an INI names are found"
-        " beside it, or given too.",
+        " parameters as punched, of a Sinumerik machine data and swivel data as text, of a Heidenhain machine"
+        " parameters and kinematics. Files that an INI names are found beside it, or given too.",
     ),
 ]
 WriteMachine = Annotated[

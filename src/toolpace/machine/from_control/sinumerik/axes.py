@@ -17,6 +17,8 @@ from toolpace.machine.from_control.unplaced_axes import TURNING
 
 MOST = 31
 """Axes of a channel."""
+DEFAULTS = 4
+"""Places of MD20070 that have a machine axis by default."""
 GUESSES = {3: "X, Y, Z", 4: "X, Y, Z, A"}
 """Names of axes that no file names, by their count; else X, Y, Z, A, C."""
 LETTERS = "XYZ" + TURNING
@@ -43,21 +45,35 @@ def channel_axes(data: MachineData, answers: Answers) -> dict[int, ChannelAxis]:
     """Axes by their number in the channel, from 1. Raises ControlFileError where a name or an axis is there twice."""
     machine_names = _names(data, "MN_AXCONF_MACHAX_NAME_TAB")
     names = _names(data, "MC_AXCONF_CHANAX_NAME_TAB")
-    used = [data.datum("MC_AXCONF_MACHAX_USED", place) for place in range(MOST)]
-    first: dict[int, Origin] = {}
+    used = _used(data)
     axes: dict[int, ChannelAxis] = {}
-    for place, datum in enumerate(used):
-        number = int(datum.number()) if datum is not None else 0 if any(used) else place + 1
-        if datum is not None and number > 0:
-            if number in first:
-                raise datum.origin.error(f"= {number} is also {first[number]}; a machine axis is one axis of a channel")
-            first[number] = datum.origin
+    for place in range(MOST):
+        number = used.get(place, 0)
         of_machine = machine_names.get(number - 1)
         named = names.get(place, of_machine if not names else None)
+        if named is None and names and place < len("XYZ"):
+            named = "XYZ"[place], Origin(f"default of $MC_AXCONF_CHANAX_NAME_TAB[{place}]")
         if number > 0 and named is not None:
             words = (f"AX{number}", *([of_machine[0]] if of_machine is not None else []), named[0])
             axes[place + 1] = ChannelAxis(named[0] if names else _bare(named[0]), words, named[1])
     return axes or _by_their_data(data, answers)
+
+
+def _used(data: MachineData) -> dict[int, int]:
+    """The machine axis of each place in the channel; by default the first axes are in their order."""
+    found: dict[int, int] = {}
+    first: dict[int, Origin] = {}
+    for place in range(MOST):
+        datum = data.datum("MC_AXCONF_MACHAX_USED", place)
+        number = 0 if datum is None else int(datum.number())
+        if datum is not None:
+            if number > 0 and number in first:
+                raise datum.origin.error(f"= {number} is also {first[number]}; a machine axis is one axis of a channel")
+            found[place], first[number] = number, datum.origin
+    return {
+        place: found.get(place, 0 if place + 1 in first or (first and place >= DEFAULTS) else place + 1)
+        for place in range(MOST)
+    }
 
 
 def _names(data: MachineData, table: str) -> dict[int, tuple[str, Origin]]:

@@ -5,7 +5,9 @@ axes along X, Y, Z (Function Manual Transformations, F2, 06/2019, page 148); 24,
 their own; 72 takes those of $TC_CARR (Commissioning Manual Operate IM9, 12/2017, page 572). TRAFO5 data are numbered by
 five-axis transformations alone. Which of them is which vector is on that page; of types 48 to 51 JOINT_OFFSET leads
 from machine zero to the axis of the table (MD24560). MD24520 ROT_SIGN_IS_PLUS = 0 turns a direction round; that the
-table of an older type turns by the right-hand rule with 1 is read from MD24810, which says so of TRACYL (assumption).
+table of an older type turns by the right-hand rule with 1 is read from MD24810, which says so of TRACYL (assumption:
+swivel data decide where they are there). That MD24510 is the position from which turns count, as $TC_CARR24 is, is an
+assumption too.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import numpy as np
 from toolpace.machine.from_control.record import Figure, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import Datum, MachineData
-from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, SwivelAxis, VectorChain
+from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, ON_TABLE, SwivelAxis, VectorChain, is_direction
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING
 
@@ -59,6 +61,11 @@ class Transformation:
     @property
     def type(self) -> int:
         return int(self.kind.number())
+
+    @property
+    def is_by_letters(self) -> bool:
+        """Whether the type itself names what its axes turn about."""
+        return bool(TYPES[self.type][1])
 
     def names_axes(self, data: MachineData) -> bool:
         """Whether the files say which axes go into it."""
@@ -116,7 +123,7 @@ def chain_of_transformation(
             figure = answers.numbers(question, 3)
         vectors[vector] = figure
     foreign = data.vector([(f"MC_TRAFO5_JOINT_OFFSET_PART_{found.count}", place) for place in range(3)])
-    if foreign is not None and any(np.array(foreign.value)) and "JOINT_OFFSET_PART" not in names.values():
+    if foreign is not None and any(foreign.vector) and "JOINT_OFFSET_PART" not in names.values():
         raise foreign.origins[0].error(
             f"is not 0, and {found.kind.origin} = {found.type} has {KINDS[kind]}: that vector is of type 56 alone"
         )
@@ -125,7 +132,7 @@ def chain_of_transformation(
         both.append(_axis(data, found, place, number, origin, axes, letters, answers) if number else None)
     _one_name(both)
     base = data.vector([(f"MC_TRAFO5_BASE_ORIENT_{found.count}", place) for place in range(3)])
-    tool = base if base is not None and any(np.array(base.value)) else ALONG_Z
+    tool = base if base is not None and is_direction(base) else ALONG_Z
     return VectorChain(kind_figure, (both[0], both[1]), vectors, tool)
 
 
@@ -152,14 +159,13 @@ def _axis(
         direction = Figure(ALONG[letter], (found.kind.origin,))
     else:
         name = f"MC_TRAFO5_AXIS{place + 1}_{found.count}"
-        on_table = kind == "P" or (kind == "M" and place == 1)
         stated = data.vector([(name, k) for k in range(3)])
-        direction = _ask_direction(f"${name}", axis, on_table, answers) if stated is None else stated
-        if not any(np.array(direction.value)):
+        direction = _ask_direction(f"${name}", axis, ON_TABLE[kind][place], answers) if stated is None else stated
+        if not is_direction(direction):
             raise direction.origins[0].error("is no direction; give its components, as 0, 0, 1")
     sign = data.datum(f"MC_TRAFO5_ROT_SIGN_IS_PLUS_{found.count}", place)
     if sign is not None and not sign.number():
-        turned_round = tuple(-part + 0.0 for part in np.array(direction.value))
+        turned_round = tuple(-part + 0.0 for part in direction.vector)
         direction = Figure(turned_round, (*direction.origins, sign.origin))
     start = data.figure(f"MC_TRAFO5_ROT_AX_OFFSET_{found.count}", place)
     return SwivelAxis(joint_name(axis, direction), direction, start or Figure(0.0, ()), axis)
@@ -176,8 +182,7 @@ def joint_name(axis: ChannelAxis, direction: Figure) -> str:
     """A, B or C: the letter of an axis, or of the direction that is nearest to its own."""
     if axis.letter in tuple(TURNING):
         return axis.letter
-    parts = np.abs(np.array(direction.value))
-    return TURNING[int(parts.argmax())]
+    return TURNING[int(np.abs(direction.vector).argmax())]
 
 
 def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
@@ -193,7 +198,7 @@ def carrier_numbers(data: MachineData) -> list[int]:
     """Swivel data sets that turn an axis."""
     numbers = [number for number in data.numbers("TC_CARR") if number > 0]
     first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
-    return [number for number, figure in first.items() if figure is not None and any(np.array(figure.value))]
+    return [number for number, figure in first.items() if figure is not None and is_direction(figure)]
 
 
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
@@ -225,7 +230,7 @@ def chain_of_carrier(
     vectors = {}
     for name, first in CARRIER.items():
         figure = data.vector([(f"TC_CARR{first + k}", number) for k in range(3)])
-        if figure is not None and any(np.array(figure.value)):
+        if figure is not None and any(figure.vector):
             if FOREIGN.get(kind) == name:
                 raise figure.origins[0].error(
                     f"is not 0, and {kind_origin} = {kind} has {KINDS[kind]}: {name} is of the other side; correct one"
@@ -240,14 +245,14 @@ def chain_of_carrier(
 def _add_fine(data: MachineData, vectors: dict[str, Figure], name: str, number: int, remarks: list[str]) -> None:
     """Add the fine offset of a vector where the control does ($SC_TOCARR_FINE_CORRECTION)."""
     fine = data.vector([(f"TC_CARR{CARRIER[name] + 40 + k}", number) for k in range(3)])
-    if fine is None or not any(np.array(fine.value)):
+    if fine is None or not any(fine.vector):
         return
     switch = data.datum("SC_TOCARR_FINE_CORRECTION")
     if switch is None or not switch.number():
         remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
         return
     own = vectors.get(name, Figure((0.0, 0.0, 0.0), ()))
-    total = tuple(float(a) + float(b) for a, b in zip(np.array(own.value), np.array(fine.value)))
+    total = tuple(one + other for one, other in zip(own.vector, fine.vector))
     vectors[name] = Figure(total, own.origins + fine.origins)
 
 
@@ -256,7 +261,7 @@ def _carrier_axis(
 ) -> SwivelAxis | None:
     """An axis of a swivel data set; None where its direction is 0."""
     direction = data.vector([(f"TC_CARR{7 + 3 * place + k}", number) for k in range(3)])
-    if direction is None or not any(np.array(direction.value)):
+    if direction is None or not is_direction(direction):
         return None
     start = data.figure(f"TC_CARR{24 + place}", number) or Figure(0.0, ())
     for item in (21 + place, 35 + place):
@@ -267,7 +272,7 @@ def _carrier_axis(
             if datum.word() == axis.name or datum.word() in axis.words:
                 return SwivelAxis(joint_name(axis, direction), direction, start, axis)
         raise datum.origin.error(f"= {datum.word()[:20]}, and the channel has no such axis; give its channel data too")
-    usual = TURNING[int(np.abs(np.array(direction.value)).argmax())]
+    usual = TURNING[int(np.abs(direction.vector).argmax())]
     which = f"letter of axis {place + 1} of swivel data set {number} (A, B, C)"
     question = Question(which, usual, "by its direction; no datum names it")
     letter = str(answers.choice(question, tuple(TURNING)).value)

@@ -8,7 +8,6 @@ of a swivel data set. An index that is left out is 0.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -31,6 +30,8 @@ KEPT = re.compile(
 """Beginnings of names that are kept: an archive has some hundred times as many."""
 CHANNEL = re.compile(r"\s*(?:CHANDATA\s*\(\s*([0-9]{1,2})\s*\)|%_N_CH0*([0-9]{1,2})_)", re.IGNORECASE)
 EXPONENT = re.compile(r"([0-9.])EX(?=[-+0-9])", re.IGNORECASE)
+LARGEST = 1e12
+"""Beyond which no datum is: the control's own default of a travel is 1e8."""
 MOST = 50_000
 """Data that are kept: a control with 31 axes and as many swivel data sets has some four thousand."""
 Key = tuple[str, int, str, int]
@@ -55,7 +56,7 @@ class Datum:
             value = float(EXPONENT.sub(r"\1E", word).replace("_", "x"))
         except (ValueError, OverflowError):
             raise self.origin.error(f"= '{self.text[:20]}' is no number; correct it on the control") from None
-        if not math.isfinite(value):
+        if not abs(value) < LARGEST:
             raise self.origin.error(f"= '{self.text[:20]}' is too large; correct it on the control")
         return value
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from toolpace.machine.from_control.sinumerik.five_axis import (
     transformation,
 )
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData, has_data
-from toolpace.machine.from_control.sinumerik.vector_chain import VectorChain
+from toolpace.machine.from_control.sinumerik.vector_chain import ON_TABLE, VectorChain
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
 from toolpace.machine.plausibility import LONGEST_NAME
@@ -130,14 +131,32 @@ def _chain(
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
         return None
-    if found.type not in (24, 40, 56) and chain.kind.value != "T":
-        record.remarks.append(
-            f"{found.kind.origin} = {found.type} gives no direction of the table: by $MC_TRAFO5_ROT_SIGN_IS_PLUS = 1 a "
-            "positive turn is right-handed (assumption). Compare it with the real one."
-        )
+    if found.is_by_letters and chain.kind.value != "T":
+        if swivel is None:
+            record.remarks.append(
+                f"{found.kind.origin} = {found.type} gives no direction of the table: by $MC_TRAFO5_ROT_SIGN_IS_PLUS = "
+                "1 a positive turn is right-handed (assumption). Compare it with the real one."
+            )
+        else:
+            chain = _with_senses(chain, swivel, record)
     if swivel is not None:
         _compare(chain, swivel, record)
     return chain
+
+
+def _with_senses(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> VectorChain:
+    """A chain of letters with the directions of tables that swivel data give it."""
+    axes = list(chain.axes)
+    for k, (own, other, table) in enumerate(zip(chain.axes, swivel.axes, ON_TABLE[str(chain.kind.value)])):
+        if not table or own is None or other is None or own.name != other.name:
+            continue
+        if np.dot(own.direction.vector, other.direction.vector) < 0.0:
+            record.remarks.append(
+                f"{other.direction.origin} turns {own.name} in the other sense than {own.direction.origin} by its sign "
+                "alone: it counts, and names a direction."
+            )
+        axes[k] = replace(own, direction=other.direction)
+    return replace(chain, axes=(axes[0], axes[1]))
 
 
 def _closed(chain: VectorChain, unit: float) -> VectorChain:
@@ -145,7 +164,7 @@ def _closed(chain: VectorChain, unit: float) -> VectorChain:
     for end in chain.open_ends(unit):
         if end.vector.any() and end.others:
             raise end.figure.origins[0].error(
-                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which take "
+                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which needs "
                 f"{_shown(end.wanted)}; correct one of them, or set it to 0 for a head or table that is changed"
             )
     return chain
@@ -164,7 +183,7 @@ def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> 
             raise other.direction.origins[0].error(
                 f"is of the axis {other.name}, where {one.direction.origin} is of {one.name}; correct one of both"
             )
-        first, second = (np.array(each.direction.value) for each in (one, other))
+        first, second = (np.array(each.direction.vector) for each in (one, other))
         cosine = float(first @ second / np.linalg.norm(first) / np.linalg.norm(second))
         if cosine < 0.0:
             raise other.direction.origins[0].error(
@@ -185,11 +204,11 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
         shown, wanted = _shown(end.vector), _shown(end.wanted)
         if end.vector.any() and np.abs(end.vector + end.wanted).max() * unit < SAME:
             raise end.figure.origins[0].error(
-                f"is {shown}, and {end.of_others} take {wanted} to close the chain: the sign of one of them is wrong"
+                f"is {shown}, and {end.of_others} needs {wanted} to close the chain: the sign of one of them is wrong"
             )
         record.remarks.append(
-            f"{end.figure.origin} is {shown} [{record.length.value}], and {wanted} would close the chain: positions "
-            "with the transformation and without differ."
+            f"{end.name} is {shown} [{record.length.value}] ({end.figure.origin}), and {wanted} would close the chain: "
+            "positions with the transformation and without differ by that, and so do zero offsets."
         )
 
 

@@ -28,7 +28,7 @@ from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
 from toolpace.machine.from_control.unplaced_axes import ALONG, hold_at_rest
-from toolpace.machine.geometry import turned
+from toolpace.machine.geometry import parallel, turned
 
 CLOSED = 0.002
 """Sum of a closed chain [mm]: measured figures are rounded to a micrometre."""
@@ -36,13 +36,13 @@ SHARE = 1e-9
 """Below it a component is rounding."""
 DIGITS = 12
 """Decimal places that are written."""
-PARALLEL = 1e-6
-"""Sine below which two directions count as parallel."""
 KINDS = {"T": "both axes in the head", "P": "both axes in the table", "M": "one axis in the head, one in the table"}
 TOOL = {"T": ("I1", "I2", "I3"), "P": (), "M": ("I1", "I2")}
 """Vectors on the tool's side by kind, from the slide to the nose."""
 TABLE = {"T": (), "P": ("I2", "I3", "I4"), "M": ("I3", "I4")}
 """Vectors on the table's side, from machine zero to the zero point of the table."""
+ON_TABLE = {"T": (False, False), "P": (True, True), "M": (False, True)}
+"""Whether each axis carries the workpiece, by kind."""
 CLOSING = {"T": (("I1", ("I2", "I3")),), "P": (("I4", ("I2", "I3")),), "M": (("I1", ("I2",)), ("I4", ("I3",)))}
 """The vectors that close a chain, and those that each of them takes back."""
 
@@ -63,6 +63,7 @@ class SwivelAxis:
 class OpenEnd(NamedTuple):
     """A closing vector that does not take back what others lead."""
 
+    name: str
     figure: Figure
     others: list[Figure]
     vector: Floats
@@ -105,7 +106,7 @@ class VectorChain:
             if np.abs(last - wanted).max() * unit > CLOSED:
                 own = self.vectors.get(name, Figure((0.0, 0.0, 0.0), self.kind.origins))
                 led = [self.vectors[each] for each in others if each in self.vectors]
-                found.append(OpenEnd(own, led, last, wanted))
+                found.append(OpenEnd(name, own, led, last, wanted))
         return found
 
     def place(self, record: MachineRecord) -> None:
@@ -114,10 +115,10 @@ class VectorChain:
         head, table = {"T": (self.axes, ()), "P": ((), self.axes), "M": (self.axes[:1], self.axes[1:])}[kind]
         on_tool, on_table = ([axis.name for axis in side if axis is not None] for side in (head, table))
         if len(on_tool + on_table) < 2:
-            held = "A" if self._turns_about_tool() else "C"
+            held, about_tool = self._held()
             hold_at_rest(record, held)
-            # nearest the tool what turns about another axis than it; nearest the part what turns about the tool
-            if held == "C":
+            # nearer to the tool than one that turns about it, else nearest the part
+            if not about_tool:
                 on_table = [*on_table, held]
             elif on_table:
                 on_table = [held, *on_table]
@@ -140,10 +141,12 @@ class VectorChain:
             if np.abs(value - usual).max() > SHARE:
                 record.chain[key] = Figure(_rounded(value), origins)
 
-    def _turns_about_tool(self) -> bool:
-        """Whether the only axis turns about the tool."""
+    def _held(self) -> tuple[str, bool]:
+        """The letter of an axis beside the only one, across it, and whether that one turns about the tool."""
         only = next(axis for axis in self.axes if axis is not None)
-        return bool(np.linalg.norm(np.cross(_unit(only.direction), _unit(self.tool))) < PARALLEL)
+        about_tool = parallel(_unit(only.direction), _unit(self.tool))
+        letters = (letter for letter in ("AB" if about_tool else "CAB") if letter != only.name)
+        return next(each for each in letters if not parallel(np.array(ALONG[each]), _unit(only.direction))), about_tool
 
     def _side(
         self,
@@ -187,9 +190,8 @@ class VectorChain:
 
     def against_iso(self) -> list[str]:
         """Axes that turn the tool, as the part sees it, against the right-hand rule about X, Y or Z (ISO 841)."""
-        on_table = {"T": (False, False), "P": (True, True), "M": (False, True)}[str(self.kind.value)]
         found = []
-        for axis, table in zip(self.axes, on_table):
+        for axis, table in zip(self.axes, ON_TABLE[str(self.kind.value)]):
             if axis is not None and axis.name in ALONG:
                 along = float(_unit(axis.direction) @ ALONG[axis.name])
                 if (along > SHARE) if table else (along < -SHARE):
@@ -197,8 +199,13 @@ class VectorChain:
         return found
 
 
+def is_direction(figure: Figure) -> bool:
+    """Whether a vector is long enough to be a direction."""
+    return math.hypot(*figure.vector) > SHARE
+
+
 def _array(figure: Figure) -> Floats:
-    return np.array(figure.value, dtype=np.float64)
+    return np.array(figure.vector)
 
 
 def _unit(figure: Figure) -> Floats:
