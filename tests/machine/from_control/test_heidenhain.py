@@ -194,6 +194,7 @@ REFUSED = {
     "an object of blanks": ((OBJECTS + "CfgAxis(" + " " * 500_000 + ":=",), "CfgAxis has ':=' where an attribute"),
     "more objects than a control has": ((OBJECTS + "".join(f'CfgA( key:="{k}" )\n' for k in range(20_001)),),
         "CfgA .* is one of more than 20000 objects"),
+    "nothing of axes": (('CfgLaPath( key:="", maxPathJerk:=40 )\n',), "0.txt: tells nothing of axes"),
     "another file": ((PARAMETERS, "hello\n"), "1.txt: has neither machine parameters, nor configuration objects"),
     "a table alone is not enough without letters": ((TABLE.replace("MachAxis   X", "MachAxis   U"),), "no axis X"),
 }  # fmt: skip

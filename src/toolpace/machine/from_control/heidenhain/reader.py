@@ -52,6 +52,8 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     angle = Figure("deg", (Origin("machine parameters are in degrees"),))
     record = MachineRecord(CONTROL, _name(files[0]), tuple(file.name for file in files), length, angle)
     steps = steps_of(texts, answers)
+    if not steps and not _axis_keys(texts) and not any(number in OF_AXIS.values() for number, _ in texts.parameters):
+        raise ControlFileError("tells nothing of axes; give their machine parameters or objects", file=files[0].name)
     moved = "".join(step.axis for step in steps if step.kind == "machaxis" and step.axis in ALONG)
     letters = _letters(texts, moved, answers)
     turning = [letter for letter in letters if letter in TURNING and (letter in moved or not steps)]
@@ -100,7 +102,7 @@ def _letters(texts: Texts, moved: str, answers: Answers) -> dict[str, int]:
         if missing:
             raise entry.origin.error(f"= {entry.text[:40]} has no {', '.join(missing)}; a machine here has X, Y and Z")
         return letters
-    named = [axis_letter(each.key) for each in texts.objects if set(each.attributes) & set(OF_AXIS)]
+    named = _axis_keys(texts)
     if not named:
         usual = "XYZ" + "".join(sorted(letter for letter in moved if letter in TURNING))
         question = Question(
@@ -112,10 +114,15 @@ def _letters(texts: Texts, moved: str, answers: Answers) -> dict[str, int]:
     if missing:
         found = ", ".join(letters) or "none"
         raise ControlFileError(
-            f"the axes {found} are told, without {', '.join(missing)}; a machine here has X, Y and Z",
+            f"no axis {', '.join(missing)} among those that are told ({found}); a machine here has X, Y and Z",
             file=_first_file(texts),
         )
     return letters
+
+
+def _axis_keys(texts: Texts) -> list[str]:
+    """Letters of the axes whose objects have figures that are read."""
+    return [axis_letter(each.key) for each in texts.objects if set(each.attributes) & set(OF_AXIS)]
 
 
 def _first_file(texts: Texts) -> str:

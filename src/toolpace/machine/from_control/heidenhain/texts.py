@@ -21,6 +21,12 @@ MOST_LINES = 200_000
 """Of one file."""
 MOST_OBJECTS = 20_000
 """Of all files: a control has some thousand."""
+ATTRIBUTES = frozenset({
+    "key", "rapidFeed", "maxAcceleration", "axPathJerk", "axPathJerkHi", "swLimitSwitchPos", "swLimitSwitchNeg",
+    "isModulo", "maxPathJerk", "maxPathJerkHi", "maxG1Feed", "minPathFeed", "minCornerFeed", "subKinList", "kinObjects",
+    "dir", "val", "axisRef",
+})  # fmt: skip
+"""Attributes of configuration objects that are read; all others are passed over."""
 PARAMETER = re.compile(r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)", re.IGNORECASE)
 TABLE_HEADING = re.compile(r"\s*NR\s+(?:\S+\s+)*?KEY\s+AXIS\s+COORD\b", re.IGNORECASE)
 OBJECT = re.compile(r"\b(Cfg\w{1,60})\s*+\(", re.ASCII)
@@ -172,9 +178,10 @@ def _objects(file: ControlFile) -> Iterator[ConfigurationObject]:
         attributes: dict[str, Entry] = {}
         place = found.end()
         while match := _ATTRIBUTE.match(text, place):
-            line = bisect.bisect_right(starts, match.start(1))
-            origin = Origin(f"{found[1]} {match[1]}", file.name, line)
-            attributes[match[1]] = Entry(match[2].strip('"'), origin)
+            if match[1] in ATTRIBUTES:
+                line = bisect.bisect_right(starts, match.start(1))
+                origin = Origin(f"{found[1]} {match[1]}", file.name, line)
+                attributes[match[1]] = Entry(match[2].strip('"'), origin)
             place = match.end()
         line = bisect.bisect_right(starts, found.start())
         origin = Origin(found[1], file.name, line)
