@@ -181,6 +181,11 @@ def test_figures_of_the_control_make_a_controller_file(tmp_path):
     own = figures.sinumerik
     assert (own.rapid_acceleration, own.rapid_jerk, own.overload, own.curve_share) == (1.5, 2.0, 1.3, 0.5)
     assert (own.jerk_finish, own.transition_jerk, own.cycle, own.brisk) == (0.5, 2.0, 0.003, 1.0)
+    # defaults of a control that nobody has tuned: no limit at all, and factors that are off
+    untuned = changed(lines, {"$MA_PATH_TRANS_JERK_LIM[0,AX4]": "1e6", "$MA_G00_ACCEL_FACTOR[AX4]": "0"})
+    text = _read(tmp_path, untuned, name="untuned.arc").controller
+    assert "transition_jerk = 100 " in text and "20000 is beyond what the model takes" in text
+    assert "rapid_acceleration" not in text and figures_of(Controller.from_toml(text).time, "") is not None
     record = read_control([tmp_path / "mill.arc"]).record
     assert record.control_figures["jerk of the path [m/s^3]"].number == 1000.0
     assert any("$MA_MAX_AX_JERK of X differs by dynamic mode (50, 25)" in remark for remark in record.remarks)

@@ -42,6 +42,10 @@ CONTRADICTIONS = {
     "X and Y changed": (
         "table", {"$MC_TRAFO_AXES_IN_1[0]": "2", "$MC_TRAFO_AXES_IN_1[1]": "1"}, "GEOAX_ASSIGN_TAB[0] = 1", "which",
     ),
+    "Y and Z changed": (
+        "swivel table", {"$MC_AXCONF_GEOAX_ASSIGN_TAB[1]": "3", "$MC_AXCONF_GEOAX_ASSIGN_TAB[2]": "2"}, "NAME_TAB[2]",
+        "= 3 for Y is the axis Z",
+    ),
     "a turning axis that is linear": ("table", {"$MA_IS_ROT_AX[AX1]": "0"}, "CHANAX_NAME_TAB[3]", "which turns"),
     "a linear axis that turns": ("table", {"$MA_IS_ROT_AX[AX4]": "1"}, "CHANAX_NAME_TAB[0]", "which is linear"),
     "travel without room": ("table", {"$MA_POS_LIMIT_MINUS[AX4]": "600"}, "POS_LIMIT_PLUS", "is not below"),
@@ -83,6 +87,7 @@ REFUSED = {
     "no such axis": ("swivel table", {"$TC_CARR21[1]": "(U)"}, "= U, and the channel has no such axis"),
     "no such number": ("table", {"$MC_TRAFO_AXES_IN_1[3]": "9"}, "= 9, and the channel has no such axis"),
     "a lathe": ("swivel table", {"$MC_AXCONF_GEOAX_ASSIGN_TAB[1]": "0"}, "= 0 for Y, and the channel has no such axis"),
+    "another order": ("table", {"$MC_AXCONF_GEOAX_NAME_TAB[1]": '"Z"'}, 'NAME_TAB.1. = "Z"; geometry axes are read'),
     "units of the builder": ("table", {"$MN_SCALING_USER_DEF_MASK": "'H4'"}, "gives data units of their own"),
     "no velocity": ("table", {"$MA_MAX_AX_VELO[AX4]": "0"}, "= 0; give a number above zero"),
     "no number": ("table", {"$MA_MAX_AX_VELO[AX4]": "fast"}, "= 'fast' is no number"),
@@ -90,7 +95,7 @@ REFUSED = {
     "too much": ("table", {"$MA_MAX_AX_VELO[AX4]": "1e999"}, "is too large"),
     "no direction": ("table", {"$MC_TRAFO5_AXIS1_1[0]": "1e-300"}, "is no direction"),
     "a length beyond all": ("table", {"$MC_TRAFO5_BASE_TOOL_1[0]": "1e308"}, "is too large"),
-    "a factor of another kind": ("table", {"$MA_G00_ACCEL_FACTOR[AX4]": "150"}, "give a number between 0.01 and 100"),
+    "no acceleration with SOFT": ("table", {"$MA_SOFT_ACCEL_FACTOR[AX4]": "0"}, "give a number above zero"),
     "parallel axes": ("swivel table", {"$TC_CARR10[1]": "-1", "$TC_CARR12[1]": "0"}, "C and A are parallel"),
 }
 

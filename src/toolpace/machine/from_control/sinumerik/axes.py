@@ -1,7 +1,8 @@
 """The axes of a channel: which machine axis is X, and what each is called.
 
 A channel axis has a name (MD20080 AXCONF_CHANAX_NAME_TAB) and a machine axis (MD20070 AXCONF_MACHAX_USED), which has a
-name of its own (MD10000 AXCONF_MACHAX_NAME_TAB). Three channel axes are X, Y, Z (MD20050 AXCONF_GEOAX_ASSIGN_TAB).
+name of its own (MD10000 AXCONF_MACHAX_NAME_TAB). Three channel axes are X, Y, Z (MD20050 AXCONF_GEOAX_ASSIGN_TAB, named
+by MD20060).
 Function Manual Basic Functions, K2, "Axes".
 """
 
@@ -116,6 +117,13 @@ def _bare(word: str) -> str:
     return word.rstrip("0123456789") or word
 
 
+def _check_names(data: MachineData) -> None:
+    """Refuse geometry axes in another order than X, Y, Z (MD20060)."""
+    for place, (name, origin) in _names(data, "MC_AXCONF_GEOAX_NAME_TAB").items():
+        if name in LETTERS and name != "XYZ"[place : place + 1]:
+            raise origin.error(f'= "{name}"; geometry axes are read in the order X, Y, Z')
+
+
 def straight_axes(
     data: MachineData, axes: dict[int, ChannelAxis], inputs: Sequence[tuple[int, Origin]]
 ) -> list[ChannelAxis]:
@@ -124,6 +132,7 @@ def straight_axes(
     Raises ControlFileError where one is missing, or the transformation has others.
     """
     found = []
+    _check_names(data)
     for place, letter in enumerate("XYZ"):
         datum = data.datum("MC_AXCONF_GEOAX_ASSIGN_TAB", place)
         number = place + 1 if datum is None else int(datum.number())
@@ -139,5 +148,8 @@ def straight_axes(
             raise origin.error(
                 f"= {number} for {letter}, and the channel has no such axis; a machine here has X, Y and Z (no lathe)"
             )
-        found.append(axes[number])
+        axis = axes[number]
+        if axis.letter not in ("", letter):
+            raise origin.error(f"= {number} for {letter} is the axis {axis.name} ({axis.origin}); correct one of both")
+        found.append(axis)
     return found

@@ -29,7 +29,7 @@ ROUGH, SEMIFINISH, FINISH = 2, 3, 4
 SOFT_OR_BRISK, BRISK = 20, 1
 """Index of their group in MD20150 GCODE_RESET_VALUES, and the value that is BRISK."""
 FACTORS = (0.01, 100.0)
-"""Range of factors in a controller file."""
+"""Least and most of a factor in a controller file."""
 
 
 def joint_figures(data: MachineData, axis: ChannelAxis, kind: Figure, length: str) -> dict[str, Figure]:
@@ -48,7 +48,7 @@ def joint_figures(data: MachineData, axis: ChannelAxis, kind: Figure, length: st
         figures["velocity"] = _above_zero(jog)
     soft = data.figure("MA_SOFT_ACCEL_FACTOR", 0, axis.words)
     if soft is not None and soft.number != 1.0 and (brisk := figures.get("acceleration")) is not None:
-        share = _within(soft, FACTORS).number
+        share = _above_zero(soft).number
         figures["acceleration"] = Figure(share * brisk.number, brisk.origins + soft.origins, brisk.unit)
     return figures | _reach(data, axis, rotary)
 
@@ -56,12 +56,6 @@ def joint_figures(data: MachineData, axis: ChannelAxis, kind: Figure, length: st
 def _above_zero(figure: Figure) -> Figure:
     if not figure.number > 0.0:
         raise figure.origins[0].error(f"= {figure.number:g}; give a number above zero")
-    return figure
-
-
-def _within(figure: Figure, ends: tuple[float, float]) -> Figure:
-    if not ends[0] <= figure.number <= ends[1]:
-        raise figure.origins[0].error(f"= {figure.number:g}; give a number between {ends[0]:g} and {ends[1]:g}")
     return figure
 
 
@@ -92,28 +86,24 @@ def add_dynamics(data: MachineData, record: MachineRecord, axes: Mapping[str, Ch
     straight = [axis for name, axis in axes.items() if name in "XYZ"]
     turning = [axis for name, axis in axes.items() if name not in "XYZ"]
     for key, of, factor in (("tolerance", straight, in_mm), ("axis_tolerance", turning, 1.0)):
-        found = (data.figure("MA_COMPRESS_POS_TOL", 0, axis.words) for axis in of)
-        if tolerances := [figure for figure in found if figure is not None]:
-            least = _above_zero(lowest(tolerances))
-            timing[key] = Figure(factor * least.number, least.origins)
+        found = [data.figure("MA_COMPRESS_POS_TOL", 0, axis.words) for axis in of]
+        _add(timing, key, [figure and Figure(factor * figure.number, figure.origins) for figure in found], (1e-4, 1e9))
     both = straight + turning
     for key, name, ends in (
-        ("rapid_acceleration", "G00_ACCEL_FACTOR", FACTORS),
-        ("rapid_jerk", "G00_JERK_FACTOR", FACTORS),
-        ("overload", "MAX_ACCEL_OVL_FACTOR", (1.0, 100.0)),
+        ("sinumerik.rapid_acceleration", "G00_ACCEL_FACTOR", FACTORS),
+        ("sinumerik.rapid_jerk", "G00_JERK_FACTOR", FACTORS),
+        ("sinumerik.overload", "MAX_ACCEL_OVL_FACTOR", (1.0, 100.0)),
     ):
         _add(timing, key, [data.figure(f"MA_{name}", 0, axis.words) for axis in both], ends)
-    _add(timing, "curve_share", [data.figure("MC_CURV_EFFECT_ON_PATH_ACCEL")], (0.0, 0.95))
+    _add(timing, "sinumerik.curve_share", [data.figure("MC_CURV_EFFECT_ON_PATH_ACCEL")], (0.0, 0.95))
     for key, name, mode in (
-        ("transition_jerk", "MA_PATH_TRANS_JERK_LIM", 0),
-        ("jerk_rough", "MA_MAX_AX_JERK", ROUGH),
-        ("jerk_semifinish", "MA_MAX_AX_JERK", SEMIFINISH),
-        ("jerk_finish", "MA_MAX_AX_JERK", FINISH),
+        ("sinumerik.transition_jerk", "MA_PATH_TRANS_JERK_LIM", 0),
+        ("sinumerik.jerk_rough", "MA_MAX_AX_JERK", ROUGH),
+        ("sinumerik.jerk_semifinish", "MA_MAX_AX_JERK", SEMIFINISH),
+        ("sinumerik.jerk_finish", "MA_MAX_AX_JERK", FINISH),
     ):
         _add(timing, key, [_over_jerk(data, axis, name, mode) for axis in both], FACTORS)
-    cycle = _cycle(data)
-    if cycle is not None:
-        timing["sinumerik.cycle"] = _within(cycle, (1e-6, 0.1))
+    _add(timing, "sinumerik.cycle", [_cycle(data)], (1e-6, 0.1))
     after_reset = data.figure("MC_GCODE_RESET_VALUES", SOFT_OR_BRISK)
     if after_reset is not None:
         timing["sinumerik.brisk"] = Figure(float(after_reset.number == BRISK), after_reset.origins)
@@ -124,9 +114,14 @@ def add_dynamics(data: MachineData, record: MachineRecord, axes: Mapping[str, Ch
 
 
 def _add(timing: dict[str, Figure], key: str, figures: Iterable[Figure | None], ends: tuple[float, float]) -> None:
-    present = [figure for figure in figures if figure is not None]
-    if present:
-        timing[f"sinumerik.{key}"] = _within(lowest(present), ends)
+    """Keep the lowest of figures that are set (0 is not), within what a model takes: defaults can be 1e6."""
+    present = [figure for figure in figures if figure is not None and figure.number > 0.0]
+    if not present:
+        return
+    least = lowest(present)
+    value = min(max(least.number, ends[0]), ends[1])
+    note = (Origin(f"{least.number:g} is beyond what the model takes"),) if value != least.number else ()
+    timing[key] = Figure(value, least.origins + note)
 
 
 def _over_jerk(data: MachineData, axis: ChannelAxis, name: str, mode: int) -> Figure | None:
