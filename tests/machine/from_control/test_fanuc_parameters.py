@@ -165,6 +165,7 @@ REFUSED = {
     "a letter at another's place": (TRUNNION, {1022: "N01022Q1A1P2A2P1A3P3A4P0A5P0"}, "N01022 A1 = 2, Y .* calls it X"),
     "a rotary X": (TRUNNION, {1006: "N01006Q1A1P00000001A2P00000000"}, "N01006 A1 #0 = 1, a rotary .* N01020 A1"),
     "an axis number twice": (TRUNNION, {19686: "N19686Q1L1P4"}, "N19686 L1 names the axis A, as .*N19681 L1 does"),
+    "an axis that does not exist": (TRUNNION, {19696: "N19696Q1L1P00000001"}, "#0 = 1: .* N19681 L1 = 4 names one"),
     "a linear axis that turns": (TRUNNION, {19686: "N19686Q1L1P2"}, "N19686 L1 = 2, and .* says that Y is linear"),
     "no such axis": (TRUNNION, {19686: "N19686Q1L1P7"}, "N19686 L1 = 7: there is no such axis among X, Y, Z, A, C"),
     "a straight axis with an inclination": (TRUNNION, {19683: "N19683Q1L1P45.0"}, "45 deg inclines .* N19682 L1 = 1"),

@@ -143,6 +143,11 @@ def _rotary_axis(
     absent = parameters.bit(19696, which)
     vector = _direction(parameters, direction, angle, sense)
     if absent is not None and absent[0]:
+        named = parameters.whole(number)
+        if named is not None and named.number:
+            raise absent[1].error(
+                f"= 1: the axis does not exist, and {named.origin} = {named.number:g} names one; correct one of both"
+            )
         return RotaryAxis(_hypothetical(parameters, record, which, absent[1]), side, vector)
     figure = _needed(parameters, number)
     if not 1 <= figure.number <= len(axes):
