@@ -94,6 +94,26 @@ def test_the_table_of_the_manuals_example_turns_about_plus_y(tmp_path):
     assert (moved - at_rest) * 1e3 == pytest.approx([15 * np.sqrt(0.5), 0.0, -15 * (1 - np.sqrt(0.5))], abs=1e-9)
 
 
+@pytest.mark.parametrize("passed_over", ["", "$TC_CARR18[1]=7\n"])
+def test_the_head_of_the_manuals_example_is_read_as_it_does_not_close(passed_over, tmp_path):
+    """W1, 2-92 (08/2005): l1 = (-200, 0, 0), l3 = (-100, 0, 0), tool 250; l4 of a head is passed over (2-88)."""
+    vectors = {"I1": np.array([-200.0, 0.0, 0.0]), "I3": np.array([-100.0, 0.0, 0.0])}
+    axes = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 1.0]])
+    text = AXES.replace("B1", "A1").replace("C1", "B1") + "$TC_CARR1[1]=-200\n$TC_CARR15[1]=-100\n$TC_CARR7[1]=1\n"
+    text += '$TC_CARR10[1]=-1\n$TC_CARR12[1]=1\n$TC_CARR21[1]=A\n$TC_CARR22[1]=B\n$TC_CARR23[1]="T"\n' + passed_over
+    (tmp_path / "head.ini").write_text(text)
+    draft = read_control([tmp_path / "head.ini"])
+    m, q = np.array([10.0, -20.0, 30.0]), np.array([0.7, -1.1])
+    joints = np.array([[*m * 1e-3, *q]])
+    assert draft.machine.joints == ("X", "Y", "Z", "A", "B")
+    tip, axis = draft.machine.with_tool(0.25).forward(joints)
+    wanted, up = _tip("T", vectors, axes, m, q, np.array([0.0, 0.0, 250.0]))
+    assert np.abs(tip[0] * 1e3 - wanted).max() < SAME and np.abs(axis[0] - up).max() < SAME
+    remarks = " ".join(draft.record.remarks)
+    assert "I1 is (-200, 0, 0) [mm] (" in remarks and "TC_CARR1[1]), and (100, 0, 0) would close the chain" in remarks
+    assert ("$TC_CARR18[1] is not 0: the control passes it over" in remarks) == bool(passed_over)
+
+
 def test_fine_offsets_count_where_the_control_adds_them(tmp_path):
     text = AXES + "$TC_CARR7[1]=0\n$TC_CARR8[1]=-1\n$TC_CARR12[1]=-1\n$TC_CARR6[1]=-100\n$TC_CARR20[1]=100\n"
     text += '$TC_CARR46[1]=0.25\n$TC_CARR23[1]="P"\n$TC_CARR35[1]="B"\n$TC_CARR36[1]="C"\n'

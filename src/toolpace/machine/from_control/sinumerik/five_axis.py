@@ -43,7 +43,7 @@ OLD_MIXED = {"I2": "BASE_TOOL", "I3": "JOINT_OFFSET", "I4": "PART_OFFSET"}
 CARRIER = {"I1": 1, "I2": 4, "I3": 15, "I4": 18}
 """First $TC_CARR of each vector; the fine offsets stand 40 behind."""
 FOREIGN = {"T": "I4", "P": "I1"}
-"""Vectors that a kind does not have: a table's in a head, a head's in a table."""
+"""Vectors that a kind does not have: a table's in a head, which the control passes over, and a head's in a table."""
 TRANSFORMATIONS = 20
 ALONG_Z = Figure((0.0, 0.0, 1.0), (Origin("the tool is along Z"),))
 
@@ -231,12 +231,17 @@ def chain_of_carrier(
     for name, first in CARRIER.items():
         figure = data.vector([(f"TC_CARR{first + k}", number) for k in range(3)])
         if figure is not None and any(figure.vector):
-            if FOREIGN.get(kind) == name:
+            if FOREIGN.get(kind) == name and kind != "T":
                 raise figure.origins[0].error(
                     f"is not 0, and {kind_origin} = {kind} has {KINDS[kind]}: {name} is of the other side; correct one"
                 )
             vectors[name] = figure
         _add_fine(data, vectors, name, number, remarks)
+    if kind == "T" and (ignored := vectors.pop("I4", None)) is not None:
+        remarks.append(
+            f"{ignored.origin} is not 0: the control passes it over where both axes are in the head ({kind_origin}). Is "
+            "T the right kind?"
+        )
     both = [_carrier_axis(data, number, place, axes, answers) for place in (0, 1)]
     _one_name(both)
     return VectorChain(Figure(kind, (kind_origin,)), (both[0], both[1]), vectors, ALONG_Z)

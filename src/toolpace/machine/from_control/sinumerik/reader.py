@@ -127,7 +127,7 @@ def _chain(
     if found is None or not by_type:
         if swivel is None and data.has_kinematic_chain:
             record.remarks.append("The kinematic chain ($NK_...) is not read: it may say what is asked for.")
-        return None if swivel is None else _closed(swivel, IN_MM[str(record.length.value)])
+        return swivel
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
         return None
@@ -159,17 +159,6 @@ def _with_senses(chain: VectorChain, swivel: VectorChain, record: MachineRecord)
     return replace(chain, axes=(axes[0], axes[1]))
 
 
-def _closed(chain: VectorChain, unit: float) -> VectorChain:
-    """Refuse swivel data whose closing vector closes nothing; one of zeros is of a head or table that is changed."""
-    for end in chain.open_ends(unit):
-        if end.vector.any() and end.others:
-            raise end.figure.origins[0].error(
-                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which needs "
-                f"{_shown(end.wanted)}; correct one of them, or set it to 0 for a head or table that is changed"
-            )
-    return chain
-
-
 def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> None:
     """Refuse a transformation and swivel data of other axes; other figures are told."""
     if chain.kind.value != swivel.kind.value:
@@ -199,7 +188,11 @@ def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> 
 
 
 def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
-    """Say where a chain does not close; refuse a closing vector with the wrong sign."""
+    """Say where a chain does not close; refuse a closing vector with the wrong sign.
+
+    A chain closes where head and table are never changed (IM9). An open one is a machine too: the closing vector is in
+    the tool's length or in the zero offset, as in the manual's own example of a head (W1, 08/2005, page 2-92).
+    """
     for end in chain.open_ends(unit):
         shown, wanted = _shown(end.vector), _shown(end.wanted)
         if end.vector.any() and np.abs(end.vector + end.wanted).max() * unit < SAME:
@@ -208,7 +201,8 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
             )
         record.remarks.append(
             f"{end.name} is {shown} [{record.length.value}] ({end.figure.origin}), and {wanted} would close the chain: "
-            "positions with the transformation and without differ by that, and so do zero offsets."
+            "positions with the head or table taken into account and without differ by that, and so do zero offsets and "
+            "tool lengths."
         )
 
 
