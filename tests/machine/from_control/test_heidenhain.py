@@ -137,6 +137,9 @@ def test_a_machine_without_kinematics_is_asked_about(tmp_path):
     columns = [expected.joints.index(name) for name in draft.machine.joints]
     assert draft.machine.forward(q[:, columns])[0] == pytest.approx(expected.forward(q)[0], abs=1e-12)
     assert any("MP7510.0 and following" in remark for remark in draft.record.remarks)
+    model = OBJECTS[: OBJECTS.index("CfgKin")] + 'CfgKinModel( key:="K1", axesToolSide:=["X","Y","Z","B"] )'
+    remarks = _read(tmp_path, model).record.remarks
+    assert any("CfgKinModel K1, the kinematics by vectors, is not read" in remark for remark in remarks)
 
 
 def test_jerk_is_the_axis_own_or_the_paths_or_the_guide_value(tmp_path):

@@ -127,6 +127,24 @@ def test_fine_offsets_count_where_the_control_adds_them(tmp_path):
     assert point.value == (0.0, 0.0, -99.75) and "$TC_CARR44" not in point.origin and "$TC_CARR46[1]" in point.origin
 
 
+def test_the_start_of_a_turn_has_a_fine_offset_and_that_of_a_transformation_is_an_assumption(tmp_path):
+    """$TC_CARR64 is 40 behind $TC_CARR24; a turn of the first axis by both together is none of the vectors."""
+    text = AXES + "$TC_CARR8[1]=-1\n$TC_CARR12[1]=-1\n$TC_CARR24[1]=10\n$TC_CARR64[1]=0.5\n"
+    text += '$TC_CARR23[1]="P"\n$TC_CARR21[1]=B\n$TC_CARR22[1]=C\n'
+    axes = {}
+    for counts in (0, 1):
+        (tmp_path / "table.ini").write_text(f"{text}$SC_TOCARR_FINE_CORRECTION={counts}\n")
+        draft = read_control([tmp_path / "table.ini"])
+        assert any("$TC_CARR64[1] is a fine offset" in each for each in draft.record.remarks) == (not counts)
+        axes[counts] = np.array(draft.record.joints["C"]["direction"].vector)
+    assert np.degrees(np.arccos(axes[0] @ axes[1])) == pytest.approx(0.5)
+    assert np.degrees(np.arccos(-axes[1][2])) == pytest.approx(10.5)
+    lines = ["$MC_TRAFO_TYPE_1=40", "$MC_TRAFO5_AXIS1_1[1]=-1", "$MC_TRAFO5_AXIS2_1[2]=-1"]
+    (tmp_path / "mill.ini").write_text("\n".join([AXES, *lines, "$MC_TRAFO5_ROT_AX_OFFSET_1[0]=30"]))
+    remarks = read_control([tmp_path / "mill.ini"]).record.remarks
+    assert any("ROT_AX_OFFSET_1[0] = 30: turns of B count from there (assumption)" in each for each in remarks)
+
+
 @pytest.mark.parametrize(
     ("lines", "wanted"),
     [

@@ -72,6 +72,9 @@ def test_values_of_two_files_that_differ_are_refused_and_equal_ones_are_not(tmp_
     files = [tmp_path / "mill.arc", tmp_path / "old.arc"]
     with pytest.raises(ControlFileError, match=r"old.arc:1: .* = 123 contradicts .*mill.arc:\d+ N32000"):
         read_control(files)
+    (tmp_path / "twice.arc").write_text("\n".join([*ARCHIVES["table"], "$MA_MAX_AX_VELO[AX4]=123"]))
+    with pytest.raises(ControlFileError, match=r"= 123 contradicts .*; remove one of both lines"):
+        read_control([tmp_path / "twice.arc"])
     same = 60e3 * TABLE.machine.file.joints["X"].velocity
     (tmp_path / "old.arc").write_text(f"$MA_MAX_AX_VELO[0,MX4]={same:.3f}\n")
     assert read_control(files).machine.joints == ("X", "Y", "Z", "A", "C")

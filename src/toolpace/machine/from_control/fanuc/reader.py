@@ -59,7 +59,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
         if axis.letter in "XYZ":
             record.joints[axis.letter]["direction"] = Figure(ALONG[axis.letter], (Origin(f"axis {axis.letter}"),))
     if is_five_axis(parameters):
-        place_five_axes(parameters, axes, record)
+        place_five_axes(parameters, axes, record, answers)
     else:
         kind = parameters.whole(19680)
         told = kind.origins[0] if kind is not None else axes[0].named

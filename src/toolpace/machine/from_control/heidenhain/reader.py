@@ -241,6 +241,8 @@ def _add_remarks(texts: Texts, record: MachineRecord, letters: dict[str, int], p
         record.remarks.append("MP100 names axis 1 by its last letter (assumption).")
     if any("subKinList" in each.attributes for each in texts.objects):
         record.remarks.append("axisRef, dir, val of kinematic objects are axis, direction and value (assumption).")
+    if not placed and (vectors := next((each for each in texts.objects if each.kind == "CfgKinModel"), None)):
+        record.remarks.append(f"{vectors.origin}, the kinematics by vectors, is not read: it may tell what is asked.")
     if texts.inch_table is not None:
         record.remarks.append(f"{texts.inch_table}: lengths of the kinematics table are inches.")
     if not texts.table_ends:

@@ -100,6 +100,7 @@ def _by_their_data(data: MachineData, answers: Answers) -> dict[int, ChannelAxis
     if named:
         shown = {word: Origin(f"$MA_...[{word[:20]}]") for word in named}
         return {k: ChannelAxis(_bare(word), (word,), shown[word]) for k, word in enumerate(named, 1)}
+    words = [word for word in words if not is_spindle(data, (word,))]
     if not words:
         return {}
     question = Question(
@@ -110,6 +111,12 @@ def _by_their_data(data: MachineData, answers: Answers) -> dict[int, ChannelAxis
     figure = answers.text(question)
     names = [part.strip().upper() for part in str(figure.value).split(",")]
     return {k: ChannelAxis(name, (word,), figure.origins[0]) for k, (word, name) in enumerate(zip(words, names), 1)}
+
+
+def is_spindle(data: MachineData, words: Sequence[str]) -> bool:
+    """Whether the axis of these names is a spindle."""
+    spindle = data.figure("MA_SPIND_ASSIGN_TO_MACHAX", 0, words)
+    return spindle is not None and spindle.number != 0.0
 
 
 def _bare(word: str) -> str:

@@ -41,7 +41,11 @@ DATA = {
 OLD_MIXED = {"I2": "BASE_TOOL", "I3": "JOINT_OFFSET", "I4": "PART_OFFSET"}
 """TRAFO5 data of each vector."""
 CARRIER = {"I1": 1, "I2": 4, "I3": 15, "I4": 18}
-"""First $TC_CARR of each vector; the fine offsets stand 40 behind."""
+"""First $TC_CARR of each vector."""
+START = 24
+"""$TC_CARR of the position at which the vectors are measured."""
+FINE = 40
+"""By how many numbers fine offsets stand behind (W1, 08/2005, page 2-86)."""
 FOREIGN = {"T": "I4", "P": "I1"}
 """Vectors that a kind does not have: a table's in a head, which the control passes over, and a head's in a table."""
 TRANSFORMATIONS = 20
@@ -239,36 +243,50 @@ def chain_of_carrier(
         _add_fine(data, vectors, name, number, remarks)
     if kind == "T" and (ignored := vectors.pop("I4", None)) is not None:
         remarks.append(
-            f"{ignored.origin} is not 0: the control passes it over where both axes are in the head ({kind_origin}). Is "
-            "T the right kind?"
+            f"{ignored.origin} is not 0: the control passes it over where both axes are in the head ({kind_origin}). "
+            "Is T the right kind?"
         )
-    both = [_carrier_axis(data, number, place, axes, answers) for place in (0, 1)]
+    both = [_carrier_axis(data, number, place, axes, answers, remarks) for place in (0, 1)]
     _one_name(both)
     return VectorChain(Figure(kind, (kind_origin,)), (both[0], both[1]), vectors, ALONG_Z)
 
 
 def _add_fine(data: MachineData, vectors: dict[str, Figure], name: str, number: int, remarks: list[str]) -> None:
     """Add the fine offset of a vector where the control does ($SC_TOCARR_FINE_CORRECTION)."""
-    fine = data.vector([(f"TC_CARR{CARRIER[name] + 40 + k}", number) for k in range(3)])
-    if fine is None or not any(fine.vector):
-        return
-    switch = data.datum("SC_TOCARR_FINE_CORRECTION")
-    if switch is None or not switch.number():
-        remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
+    fine = data.vector([(f"TC_CARR{CARRIER[name] + FINE + k}", number) for k in range(3)])
+    if fine is None or not any(fine.vector) or not _fine_counts(data, fine, remarks):
         return
     own = vectors.get(name, Figure((0.0, 0.0, 0.0), ()))
     total = tuple(one + other for one, other in zip(own.vector, fine.vector))
     vectors[name] = Figure(total, own.origins + fine.origins)
 
 
+def _fine_counts(data: MachineData, fine: Figure, remarks: list[str]) -> bool:
+    """Whether the control adds fine offsets; a remark where it does not."""
+    switch = data.datum("SC_TOCARR_FINE_CORRECTION")
+    counts = switch is not None and switch.number() != 0.0
+    if not counts:
+        remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
+    return counts
+
+
+def _carrier_start(data: MachineData, number: int, place: int, remarks: list[str]) -> Figure:
+    """The position of an axis at which the vectors of a swivel data set are measured [deg]."""
+    start = data.figure(f"TC_CARR{START + place}", number) or Figure(0.0, ())
+    fine = data.figure(f"TC_CARR{START + FINE + place}", number)
+    if fine is None or not fine.number or not _fine_counts(data, fine, remarks):
+        return start
+    return Figure(start.number + fine.number, start.origins + fine.origins)
+
+
 def _carrier_axis(
-    data: MachineData, number: int, place: int, axes: Mapping[int, ChannelAxis], answers: Answers
+    data: MachineData, number: int, place: int, axes: Mapping[int, ChannelAxis], answers: Answers, remarks: list[str]
 ) -> SwivelAxis | None:
     """An axis of a swivel data set; None where its direction is 0."""
     direction = data.vector([(f"TC_CARR{7 + 3 * place + k}", number) for k in range(3)])
     if direction is None or not is_direction(direction):
         return None
-    start = data.figure(f"TC_CARR{24 + place}", number) or Figure(0.0, ())
+    start = _carrier_start(data, number, place, remarks)
     for item in (21 + place, 35 + place):
         datum = data.datum(f"TC_CARR{item}", number)
         if datum is None or datum.word() in ("", "0"):

@@ -11,10 +11,11 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, straight_axes
+from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, is_spindle, straight_axes
 from toolpace.machine.from_control.sinumerik.dynamics import add_dynamics, joint_figures
 from toolpace.machine.from_control.sinumerik.five_axis import (
     BY_CARRIER,
+    OTHERS,
     Transformation,
     carrier_number,
     carrier_numbers,
@@ -80,15 +81,14 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
 
 
 def _choose_channel(data: MachineData) -> list[str]:
-    """Take the first channel with a transformation, else the first; remarks on the others."""
+    """Take the first channel with a transformation that turns a tool, else the first; remarks on the others."""
     channels = data.channels
     data.channel = channels[0]
     if channels == [0]:
         return []
-    for channel in channels:
-        if any(key[0].startswith("MC_TRAFO_TYPE") and key[3] == channel for key in data.data):
-            data.channel = channel
-            break
+    types = [(key[3], found[0].number()) for key, found in data.data.items() if key[0].startswith("MC_TRAFO_TYPE")]
+    turning = {channel for channel, kind in types if kind and kind not in OTHERS}
+    data.channel = next((channel for channel in channels if channel in turning), channels[0])
     others = [str(channel) for channel in channels if channel != data.channel]
     return [f"Channel {data.channel} is read; channels {', '.join(others)} are not."] if others else []
 
@@ -131,6 +131,11 @@ def _chain(
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
         return None
+    for axis in chain.axes:
+        if axis is not None and axis.start.number:
+            record.remarks.append(
+                f"{axis.start.origin} = {axis.start.number:g}: turns of {axis.name} count from there (assumption)."
+            )
     if found.is_by_letters and chain.kind.value != "T":
         if swivel is None:
             record.remarks.append(
@@ -201,8 +206,7 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
             )
         record.remarks.append(
             f"{end.name} is {shown} [{record.length.value}] ({end.figure.origin}), and {wanted} would close the chain: "
-            "positions with the head or table taken into account and without differ by that, and so do zero offsets and "
-            "tool lengths."
+            "positions with that and without differ by it, and so do zero offsets and tool lengths."
         )
 
 
@@ -215,8 +219,7 @@ def _turning(data: MachineData, axes: Mapping[int, ChannelAxis], chain: VectorCh
     if chain is None:
         found: dict[str, ChannelAxis] = {}
         for axis in axes.values():
-            spindle = data.figure("MA_SPIND_ASSIGN_TO_MACHAX", 0, axis.words)
-            if axis.letter not in tuple(TURNING) or (spindle is not None and spindle.number):
+            if axis.letter not in tuple(TURNING) or is_spindle(data, axis.words):
                 continue
             if axis.letter in found:
                 raise axis.origin.error(f"is the axis {axis.name}, as is {found[axis.letter].origin}; give one of both")
