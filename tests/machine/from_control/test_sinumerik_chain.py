@@ -94,24 +94,47 @@ def test_the_table_of_the_manuals_example_turns_about_plus_y(tmp_path):
     assert (moved - at_rest) * 1e3 == pytest.approx([15 * np.sqrt(0.5), 0.0, -15 * (1 - np.sqrt(0.5))], abs=1e-9)
 
 
+HEADS = {
+    "W1, 2-92": ({"I1": [-200.0, 0.0, 0.0], "I3": [-100.0, 0.0, 0.0]}, [[1, 0, 0], [-1, 0, 1]], "AB", "100, 0, 0"),
+    "IM9, 581": ({"I2": [0.0, 172.0, 172.0], "I3": [0.0, 0.0, 93.8]}, [[0, 1, 0], [0, 1, 1]], "BC", "0, -172, -265.8"),
+}
+
+
 @pytest.mark.parametrize("passed_over", ["", "$TC_CARR18[1]=7\n"])
-def test_the_head_of_the_manuals_example_is_read_as_it_does_not_close(passed_over, tmp_path):
-    """W1, 2-92 (08/2005): l1 = (-200, 0, 0), l3 = (-100, 0, 0), tool 250; l4 of a head is passed over (2-88)."""
-    vectors = {"I1": np.array([-200.0, 0.0, 0.0]), "I3": np.array([-100.0, 0.0, 0.0])}
-    axes = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 1.0]])
-    text = AXES.replace("B1", "A1").replace("C1", "B1") + "$TC_CARR1[1]=-200\n$TC_CARR15[1]=-100\n$TC_CARR7[1]=1\n"
-    text += '$TC_CARR10[1]=-1\n$TC_CARR12[1]=1\n$TC_CARR21[1]=A\n$TC_CARR22[1]=B\n$TC_CARR23[1]="T"\n' + passed_over
+@pytest.mark.parametrize("example", HEADS)
+def test_a_head_of_the_manuals_is_read_as_it_does_not_close(example, passed_over, tmp_path):
+    """Function Manual W1, 08/2005, and IM9, 12/2017, head HEAD_2; I4 of a head is passed over (W1, 2-88)."""
+    offsets, axes, names, closing = HEADS[example]
+    vectors = {name: np.array(offset) for name, offset in offsets.items()}
+    text = AXES.replace("B1", f"{names[0]}1").replace("C1", f"{names[1]}1")
+    firsts = {"I1": 1, "I2": 4, "I3": 15}
+    for first, vector in [(firsts[name], offset) for name, offset in offsets.items()] + [(7, axes[0]), (10, axes[1])]:
+        text += "".join(f"$TC_CARR{first + k}[1]={part}\n" for k, part in enumerate(vector))
+    text += f'$TC_CARR21[1]={names[0]}\n$TC_CARR22[1]={names[1]}\n$TC_CARR23[1]="T"\n' + passed_over
     (tmp_path / "head.ini").write_text(text)
     draft = read_control([tmp_path / "head.ini"])
+    assert draft.machine.joints == ("X", "Y", "Z", *names)
     m, q = np.array([10.0, -20.0, 30.0]), np.array([0.7, -1.1])
-    joints = np.array([[*m * 1e-3, *q]])
-    assert draft.machine.joints == ("X", "Y", "Z", "A", "B")
-    tip, axis = draft.machine.with_tool(0.25).forward(joints)
-    wanted, up = _tip("T", vectors, axes, m, q, np.array([0.0, 0.0, 250.0]))
+    tip, axis = draft.machine.with_tool(0.25).forward(np.array([[*m * 1e-3, *q]]))
+    wanted, up = _tip("T", vectors, np.array(axes, dtype=float), m, q, np.array([0.0, 0.0, 250.0]))
     assert np.abs(tip[0] * 1e3 - wanted).max() < SAME and np.abs(axis[0] - up).max() < SAME
     remarks = " ".join(draft.record.remarks)
-    assert "I1 is (-200, 0, 0) [mm] (" in remarks and "TC_CARR1[1]), and (100, 0, 0) would close the chain" in remarks
+    assert f"and ({closing}) would close the chain" in remarks
     assert ("$TC_CARR18[1] is not 0: the control passes it over" in remarks) == bool(passed_over)
+
+
+def test_swivel_data_of_a_head_that_a_person_turns_are_not_read(tmp_path):
+    """IM9, page 574: tens of $TC_CARR37 are of the first axis, hundreds of the second."""
+    head = '$TC_CARR8[1]=1\n$TC_CARR11[1]=1\n$TC_CARR12[1]=1\n$TC_CARR35[1]="HEADB"\n$TC_CARR36[1]="HEADC"\n'
+    table = '$TC_CARR8[2]=-1\n$TC_CARR12[2]=-1\n$TC_CARR23[2]="P"\n$TC_CARR35[2]="B"\n$TC_CARR36[2]="C"\n'
+    for display in (110, 13, 4_200_101):
+        text = f"{AXES}{head}$TC_CARR37[1]={display}\n"
+        (tmp_path / "mill.ini").write_text(f"{text}{table}$TC_CARR37[2]=1000005")
+        draft = read_control([tmp_path / "mill.ini"])
+        assert draft.machine.kind == "table-table" and not any("number of" in each.what for each in draft.stand_ins)
+        assert any(f"$TC_CARR37[1] = {display}: a person turns axes" in each for each in draft.record.remarks)
+        (tmp_path / "mill.ini").write_text(text)
+        assert any(each.what.startswith("axes B, C") for each in read_control([tmp_path / "mill.ini"]).stand_ins)
 
 
 def test_fine_offsets_count_where_the_control_adds_them(tmp_path):

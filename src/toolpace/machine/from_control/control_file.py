@@ -9,6 +9,7 @@ from pathlib import Path
 
 from toolpace.common.errors import MachineError
 from toolpace.common.files.atomic import reason
+from toolpace.machine.plausibility import LONGEST_NAME
 
 LARGEST = 32_000_000
 """Most bytes of a file: archives of a whole control have a few million."""
@@ -49,6 +50,12 @@ class ControlFile:
         LF CR CR is one end, with which Fanuc controls punch a block.
         """
         return tuple(line[:LONGEST_LINE] for line in self.text.replace("\n\r\r", "\n").splitlines())
+
+
+def machine_name(file: ControlFile, control: str) -> str:
+    """A name for a machine whose files have none: that of a file, else that of its control."""
+    kept = "".join(letter if letter.isprintable() else " " for letter in Path(file.name).stem)[:LONGEST_NAME].strip()
+    return kept or control
 
 
 def load(path: Path, shown: str = "") -> ControlFile:

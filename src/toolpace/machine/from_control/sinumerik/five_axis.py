@@ -199,10 +199,37 @@ def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
 
 
 def carrier_numbers(data: MachineData) -> list[int]:
-    """Swivel data sets that turn an axis."""
+    """Swivel data sets whose axes the control turns."""
+    return [number for number in _turning_sets(data) if _by_hand(data, number) is None]
+
+
+def sets_by_hand(data: MachineData) -> list[str]:
+    """Remarks on swivel data sets that are not read, as a person turns their axes."""
+    found = (_by_hand(data, number) for number in _turning_sets(data))
+    return [
+        f"{datum.origin} = {datum.text[:20]}: a person turns axes of this swivel data set, which is not read."
+        for datum in found
+        if datum is not None
+    ]
+
+
+def _turning_sets(data: MachineData) -> list[int]:
     numbers = [number for number in data.numbers("TC_CARR") if number > 0]
     first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
     return [number for number, figure in first.items() if figure is not None and is_direction(figure)]
+
+
+def _by_hand(data: MachineData, number: int) -> Datum | None:
+    """$TC_CARR37 where it has an axis turned by hand: its tens are of axis 1, its hundreds of axis 2, 0 by the control.
+
+    Commissioning Manual Operate IM9, 12/2017, page 574.
+    """
+    datum = data.datum("TC_CARR37", number)
+    if datum is None:
+        return None
+    second = data.vector([(f"TC_CARR{k}", number) for k in (10, 11, 12)])
+    digits = int(abs(datum.number())) // 10 % (100 if second is not None and is_direction(second) else 10)
+    return datum if digits else None
 
 
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
@@ -213,7 +240,10 @@ def carrier_number(data: MachineData, found: Transformation | None, answers: Ans
         number = 1 if datum is None else int(datum.number())
         if number not in sets:
             at = found.kind.origin if datum is None else datum.origin
-            raise at.error(f"takes swivel data set {number}, which no file has ($TC_CARR7[{number}]); give it too")
+            raise at.error(
+                f"takes swivel data set {number}, which no file has ($TC_CARR7[{number}]) or a person turns "
+                f"($TC_CARR37[{number}]); give it too"
+            )
         return number
     if len(sets) < 2:
         return sets[0] if sets else None

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.control_file import ControlFile, ControlFileError, machine_name
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, is_spindle, straight_axes
 from toolpace.machine.from_control.sinumerik.dynamics import add_dynamics, joint_figures
@@ -21,13 +20,13 @@ from toolpace.machine.from_control.sinumerik.five_axis import (
     carrier_numbers,
     chain_of_carrier,
     chain_of_transformation,
+    sets_by_hand,
     transformation,
 )
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData, has_data
 from toolpace.machine.from_control.sinumerik.vector_chain import ON_TABLE, VectorChain
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
-from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "Sinumerik"
 TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...) and swivel data ($TC_CARR...)"
@@ -49,7 +48,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     remarks = _choose_channel(data)
     length = _length(data, answers)
     record = MachineRecord(
-        CONTROL, _name(files), tuple(file.name for file in files), length,
+        CONTROL, machine_name(files[0], CONTROL), tuple(file.name for file in files), length,
         Figure("deg", (Origin("Sinumerik counts turns in degrees"),)), remarks=remarks,
     )  # fmt: skip
     axes = channel_axes(data, answers)
@@ -105,12 +104,6 @@ def _length(data: MachineData, answers: Answers) -> Figure:
     return answers.choice(question, tuple(IN_MM))
 
 
-def _name(files: Sequence[ControlFile]) -> str:
-    """The name of the first file."""
-    stem = Path(files[0].name).stem
-    return "".join(letter for letter in stem if letter.isprintable())[:LONGEST_NAME].strip() or CONTROL
-
-
 def _chain(
     data: MachineData, found: Transformation | None, axes: Mapping[int, ChannelAxis], answers: Answers,
     record: MachineRecord,
@@ -119,6 +112,7 @@ def _chain(
 
     Raises ControlFileError where both are there and contradict.
     """
+    record.remarks += sets_by_hand(data)
     by_type = found is not None and found.type != BY_CARRIER
     # of several swivel data sets none need be that of the transformation
     single = not by_type or len(carrier_numbers(data)) == 1
