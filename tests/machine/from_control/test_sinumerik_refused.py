@@ -75,6 +75,9 @@ def test_values_of_two_files_that_differ_are_refused_and_equal_ones_are_not(tmp_
     (tmp_path / "twice.arc").write_text("\n".join([*ARCHIVES["table"], "$MA_MAX_AX_VELO[AX4]=123"]))
     with pytest.raises(ControlFileError, match=r"= 123 contradicts .*; remove one of both lines"):
         read_control([tmp_path / "twice.arc"])
+    (tmp_path / "other.arc").write_text("$MA_MAX_AX_VELO[Q1]=123\n$MA_MAX_AX_VELO[AX31]=10000\n")
+    remarks = read_control([tmp_path / "mill.arc", tmp_path / "other.arc"]).record.remarks
+    assert "$MA data of Q1 are not read: the channel has no such axis." in remarks
     same = 60e3 * TABLE.machine.file.joints["X"].velocity
     (tmp_path / "old.arc").write_text(f"$MA_MAX_AX_VELO[0,MX4]={same:.3f}\n")
     assert read_control(files).machine.joints == ("X", "Y", "Z", "A", "C")

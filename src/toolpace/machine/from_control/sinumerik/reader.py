@@ -33,6 +33,8 @@ TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...) and swivel data ($TC
 IN_MM = {"mm": 1.0, "in": 25.4}
 OWN_UNITS = 8
 """Bits of MD10220 that give lengths, angles and their derivatives other units than those of the manuals."""
+SHOWN = 8
+"""Most names of axes in a remark."""
 SAME = 1e-3
 """Within which vectors of two sources agree [mm]."""
 
@@ -74,7 +76,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     else:
         at = Unplaced(record, answers, "$MC_TRAFO_TYPE_1", Origin("$MC_TRAFO_TYPE_1", files[0].name), "the channel")
         place_axes(at, "".join(joints))
-    _add_remarks(axes, joints, chain, record)
+    _add_remarks(data, axes, joints, chain, record)
     add_dynamics(data, record, joints)
     return record
 
@@ -237,12 +239,18 @@ def _kind(data: MachineData, letter: str, axis: ChannelAxis) -> Figure:
 
 
 def _add_remarks(
-    axes: Mapping[int, ChannelAxis], joints: Mapping[str, ChannelAxis], chain: VectorChain | None, record: MachineRecord
-) -> None:
-    """What a person should know: axes that are no joints, and turns against ISO 841."""
+    data: MachineData, axes: Mapping[int, ChannelAxis], joints: Mapping[str, ChannelAxis], chain: VectorChain | None,
+    record: MachineRecord,
+) -> None:  # fmt: skip
+    """What a person should know: axes that are no joints, data of no axis, and turns against ISO 841."""
     others = [axis.name for axis in axes.values() if axis not in joints.values()]
     if others:
         record.remarks.append(f"No joints of this machine: {', '.join(others)}.")
+    words = {word for axis in axes.values() for word in axis.words}
+    strange = [word[:20] for word in data.axis_words() if word not in words and not word.startswith("AX")]
+    if strange:
+        shown = ", ".join(strange[:SHOWN]) + (", ..." if len(strange) > SHOWN else "")
+        record.remarks.append(f"$MA data of {shown} are not read: the channel has no such axis.")
     for name in chain.against_iso() if chain is not None else ():
         record.remarks.append(
             f"+{name} turns the tool, as the part sees it, against the right-hand rule, other than ISO 841 wants: is "
