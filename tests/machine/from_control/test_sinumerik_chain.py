@@ -86,6 +86,10 @@ def test_the_table_of_the_manuals_example_turns_about_plus_y(tmp_path):
     text += '$TC_CARR23[1]="P" ;$TC_CARR13 and 14 are not looked at\n'
     (tmp_path / "table.ini").write_text(text)
     machine = read_control([tmp_path / "table.ini"]).machine
+    (tmp_path / "example.mpf").write_text(text[text.index("$TC_CARR") :])
+    alone = read_control([tmp_path / "example.mpf"])
+    assert alone.machine.kind == machine.kind and alone.machine.joints == machine.joints
+    assert "velocity of A [deg/s]" in [each.what for each in alone.stand_ins]
     zero = np.zeros((1, 5))
     turned = np.zeros((1, 5))
     turned[0, machine.joints.index("B")] = np.radians(45.0)
