@@ -21,7 +21,7 @@ from toolpace.judge.table import with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
-from toolpace.motion.set_point_grid import grids
+from toolpace.motion.sampling import grids
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.reading import ReadOptions, Source, read_source
