@@ -9,22 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 from typing import Any, Protocol
-
-import numpy as np
 
 from toolpace.common.errors import UsageError
 from toolpace.judge.figures import Figures
-from toolpace.judge.largest import Peaks, each_block
-from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
-from toolpace.judge.program import ProgramJudgement, program_checks
-from toolpace.judge.tool import forward_kinematics, length_checks, pole_rounding, tool_checks, tool_table
+from toolpace.judge.largest import each_block
+from toolpace.judge.program import JudgedProgram, ProgramJudgement
+from toolpace.judge.seen_motion import MotionJudge
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
@@ -71,7 +67,9 @@ def verify(
     if tool is not None and not isinstance(tool, CuttingTool):
         raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
-    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool, sheet)[0]
+    found = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)[0]
+    # without a number there is no step: it is that which was asked for
+    return replace(found, dt=dt) if math.isnan(found.dt) else found
 
 
 def verify_plan(
@@ -89,7 +87,7 @@ def verify_plan(
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan, tool, sheet)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -102,80 +100,39 @@ def _judged(
     toolpath: ToolPath | None,
     tip_tolerance: float | Tolerances,
     axis_tolerance: float | Tolerances,
-    dt: float,
     tool: CuttingTool | None,
     sheet: str,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
+    judge = motion_judge(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
+    if len(points):
+        each_block(lambda begin, end: judge.take(Block.of(points, begin, end)), len(points))
+    return judge.judged()
+
+
+def motion_judge(
+    source: SetPointSource,
+    machine: Machine | Limits,
+    toolpath: ToolPath | None,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
+    tool: CuttingTool | None = None,
+    sheet: str = "",
+) -> MotionJudge:
+    """A judge who takes the motion block by block; the rest as for `verify`, and UsageError as there.
+
+    Where a tool bends, all set-points are taken again at once.
+    """
     if not isinstance(machine, Limits):
         check_machine(machine, "verify", "a Machine, or Limits")
     limits = machine if isinstance(machine, Limits) else machine.limits
-    if points.q.shape[1] != len(limits.velocity):
+    if len(source.joints) != len(limits.velocity):
         raise UsageError(
-            f"set-points of {points.q.shape[1]} joints ({', '.join(points.joints)}), "
+            f"set-points of {len(source.joints)} joints ({', '.join(source.joints)}), "
             f"limits of {len(limits.velocity)} ({', '.join(limits.joints)})"
         )
-    tip_tolerance, axis_tolerance = (
-        Tolerances.of(tip_tolerance, "tip_tolerance"),
-        Tolerances.of(axis_tolerance, "axis_tolerance"),
-    )
-    first = _finite(points)
-    if first is not None:
-        return Verification((first,), dt, len(points)), None
-    step, checks = step_check(points)
-    if not checks[0].ok:
-        return Verification(tuple(checks), step, len(points)), None
-    units = _units(machine)
-    rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
-    peaks = Peaks.of(points, step)
-    checks += motion_checks(points, limits, units, peaks, rounding)
-    checks += column_checks(points, limits, units, peaks)
-    checks += rest_checks(points, limits, units, peaks)
-    judged = ProgramJudgement([], math.nan, math.nan)
-    if isinstance(machine, Machine):
-        checks += _names(points, machine)
-        tip, axis = forward_kinematics(points, machine)
-        checks += tool_checks(points, machine, tip, axis)
-        if toolpath is not None:
-            checks += length_checks(points, machine, toolpath, tool_table(sheet))
-            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
-            checks += judged.checks
-    deviations = judged.tip_deviation, judged.axis_deviation
-    return Verification(tuple(checks), step, len(points), *deviations, judged.bending), judged
-
-
-def _names(points: SetPoints, machine: Machine) -> list[Check]:
-    """A failed check if the columns are not named after the machine's joints, in their order."""
-    if points.joints == machine.joints:
-        return []
-    note = f"columns are named {', '.join(points.joints)}, the machine's joints are {', '.join(machine.joints)}"
-    return [Check("joints", 0.0, 0.0, "", False, note=note)]
-
-
-def _units(machine: Machine | Limits) -> list[str]:
-    """The unit of each joint; bare limits do not tell."""
-    if isinstance(machine, Machine):
-        return ["rad" if rotary else "m" for rotary in machine.is_rotary]
-    return [""] * len(machine.joints)
-
-
-def _finite(points: SetPoints) -> Check | None:
-    """A failed check if there is no set-point, or one that is no number."""
-    if len(points) == 0:
-        return Check("set-points", 0.0, 1.0, "", False, note="there is none")
-    columns = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length")
-
-    def all_finite(begin: int, end: int) -> bool:
-        return all(bool(np.isfinite(getattr(points, name)[begin:end]).all()) for name in columns)
-
-    if all(each_block(all_finite, len(points))):
-        return None
-    for name in columns:
-        bad = ~np.isfinite(getattr(points, name))
-        if bad.any():
-            row, *column = np.argwhere(bad)[0]
-            joint = points.joints[column[0]] if name in ("q", "qd", "qdd", "qddd") else ""
-            time, block = float(points.t[row]), int(points.block[row])
-            note = f"set-point {row}: {name} is not a number"
-            return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
-    return None
+    tip, axis = Tolerances.of(tip_tolerance, "tip_tolerance"), Tolerances.of(axis_tolerance, "axis_tolerance")
+    program = None
+    if toolpath is not None and isinstance(machine, Machine):
+        program = JudgedProgram(toolpath, machine, tip, axis, tool)
+    return MotionJudge(source, machine, program, sheet)

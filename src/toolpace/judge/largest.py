@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import Block
 
 R = TypeVar("R")
 
@@ -64,6 +64,32 @@ class Largest(NamedTuple):
         return cls(values[block, column], np.stack([part.row for part in parts])[block, column])
 
 
+class BlockPeaks(NamedTuple):
+    """The largest values of each joint in one block, without sign."""
+
+    position: Floats
+    """(m,)"""
+    columns: list[Largest]
+    differences: list[Largest]
+    mean_jerk: Floats
+    """(m,)"""
+
+    @classmethod
+    def of(cls, block: Block, even: int) -> BlockPeaks:
+        """Those of a block of a motion whose first `even` set-points come at equal steps."""
+        begin, end, n = block.begin, block.end, block.of_all
+        q = block.columns("q", begin, min(end + ORDERS[-1], n))
+        columns = [Largest.of(np.abs(block.columns(name, begin, end)), begin) for name in ("qd", "qdd", "qddd")]
+        differences, difference = [], q[:, : max(even - begin, 0)]
+        for order in ORDERS:
+            difference = np.diff(difference, axis=1)
+            of_rows = difference[:, : max(min(end, even - order) - begin, 0)]
+            differences.append(Largest.of(np.abs(of_rows), begin))
+        change = np.diff(block.columns("qdd", begin, min(end + 1, n)), axis=1)
+        mean = np.abs(change / np.diff(block.times(begin, min(end + 1, n)))).max(axis=1, initial=0.0)
+        return cls(np.abs(q).max(axis=1), columns, differences, mean)
+
+
 @dataclass(frozen=True)
 class Peaks:
     """The largest values of each joint, without sign."""
@@ -77,53 +103,35 @@ class Peaks:
     columns: tuple[Largest, ...]
     """Of the velocities, accelerations and jerks that the set-points tell."""
     differences: tuple[Largest, ...]
-    """First to third difference of positions at equal steps, over dt ** order, and the set-point in its middle."""
+    """First to third difference of positions over dt ** order, and the set-point in its middle."""
     mean_jerk: Floats
     """(m,) change of the accelerations over a step, by its time."""
 
     @classmethod
-    def of(cls, points: SetPoints, dt: float) -> Peaks:
-        """Those of set-points every `dt` [s], the last of which may come sooner."""
-        n, even = len(points), even_rows(points.t, dt)
-
-        def of_block(begin: int, end: int) -> tuple[Floats, list[Largest], list[Largest], Floats]:
-            q = columns_of(points.q, begin, min(end + ORDERS[-1], n))
-            columns = [
-                Largest.of(np.abs(columns_of(each, begin, end)), begin)
-                for each in (points.qd, points.qdd, points.qddd)
-            ]
-            differences, difference = [], q[:, : max(even - begin, 0)]
-            for order in ORDERS:
-                difference = np.diff(difference, axis=1)
-                of_rows = difference[:, : max(min(end, even - order) - begin, 0)]
-                differences.append(Largest.of(np.abs(of_rows), begin))
-            change = np.diff(columns_of(points.qdd, begin, min(end + 1, n)), axis=1)
-            mean = np.abs(change / np.diff(points.t[begin : end + 1])).max(axis=1, initial=0.0)
-            return np.abs(q).max(axis=1), columns, differences, mean
-
-        position, columns, differences, mean = zip(*each_block(of_block, n))
+    def of_all(cls, parts: Sequence[BlockPeaks], t: Floats, ending: Floats, dt: float) -> Peaks:
+        """Those of all blocks of a motion at times t (n,) every `dt` [s], the last of which may come sooner; `ending`
+        (k, m) are its last positions."""
+        n, even = len(t), even_rows(t, dt)
+        position, columns, differences, mean = zip(*parts)
+        largest_position = np.max(position, axis=0)
         found = []
-        for order, parts in zip(ORDERS, zip(*differences)):
-            largest = Largest.of_all(parts)
-            middle = largest.row + order // 2 if even > order else np.zeros_like(largest.row)
-            found.append(Largest(largest.value / dt**order, middle))
+        for order, of_blocks in zip(ORDERS, zip(*differences)):
+            value, row = Largest.of_all(of_blocks)
+            value, row = value / dt**order, row + order // 2 if even > order else np.zeros_like(row)
+            # a shorter last step by divided differences
+            last = np.array([
+                last_difference(q, t[-len(q) :], order, dt, float(most)) for q, most in zip(ending.T, largest_position)
+            ])  # fmt: skip
+            found.append(Largest(np.maximum(value, last), np.where(last > value, n - 1, row)))
         return cls(
-            dt, float(np.abs(points.t).max()), np.max(position, axis=0),
-            tuple(Largest.of_all(parts) for parts in zip(*columns)), tuple(found), np.max(mean, axis=0),
+            dt, float(np.abs(t).max()), largest_position, tuple(Largest.of_all(each) for each in zip(*columns)),
+            tuple(found), np.max(mean, axis=0),
         )  # fmt: skip
 
-    def difference(self, points: SetPoints, order: int, joint: int) -> tuple[float, int]:
-        """Largest |difference| / dt^order of a joint and the set-point in its middle; a shorter last step by divided
-        differences."""
+    def difference(self, order: int, joint: int) -> tuple[float, int]:
+        """Largest |difference| / dt^order of a joint, and the set-point in its middle."""
         found = self.differences[order - 1]
-        value, at = float(found.value[joint]), int(found.row[joint])
-        last = last_difference(points.q[:, joint], points.t, order, self.dt, float(self.position[joint]))
-        return (last, len(points) - 1) if last > value else (value, at)
-
-
-def columns_of(values: Floats, begin: int, end: int) -> Floats:
-    """(m, k) the columns of rows of values (n, m), each in one piece."""
-    return np.ascontiguousarray(values[begin:end].T)
+        return float(found.value[joint]), int(found.row[joint])
 
 
 def even_rows(t: Floats, dt: float) -> int:
@@ -149,7 +157,8 @@ def last_difference(q: Floats, t: Floats, order: int, dt: float, largest: float)
 def difference_beyond_rounding(
     q: Floats, t: Floats, order: int, dt: float, rounding: Floats
 ) -> tuple[float, int]:
-    """As `Peaks.difference`, of positions (n,), less what a `rounding` (n,) of these may make of it."""
+    """Largest |difference| / dt^order of positions (n,), less what a `rounding` (n,) of these may make of it, and the
+    set-point in its middle."""
     value, at = 0.0, 0
     even = np.abs(np.diff(q[: even_rows(t, dt)], n=order))
     if len(even):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.judge.largest import each_block
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.programs.toolpath import ToolPath
 
 CHORD = 5e-4
@@ -157,44 +158,16 @@ class MotionRow:
 
 
 def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> MotionRow:
-    """The row of set-points with `poses` (n, 6).
+    """The row of set-points with `poses` (n, 6)."""
 
-    Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
-    50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
-    Poses that are equal to the one before are left out.
-    """
-    beside = _beside(points.tool_length, len(points))
-    stretches = each_block(
-        lambda begin, end: _stretch(points, poses, limits, dt, beside, begin, end), len(points) - 1
-    )
-    kept, exact, setpoint, time = (
-        np.concatenate([getattr(stretch, name) for stretch in stretches])
-        for name in ("kept", "exact", "setpoint", "time")
-    )
-    rows, allowance = [[getattr(each, name) for each in stretches] for name in ("poses", "allowance")]
-    if kept.sum() < 2:
-        # a row has two poses, even where nothing moves
-        kept[-1] = True
-        rows.append(poses[-1:])
-        allowance.append(np.zeros(1))
-    starts = np.flatnonzero(kept)
-    ends = np.append(starts[1:], len(kept)) - 1
-    found = MotionRow(
-        poses=np.concatenate(rows),
-        allowance=np.concatenate(allowance),
-        first=setpoint[starts],
-        last=setpoint[ends],
-        early=time[starts],
-        late=time[ends],
-        row=(np.cumsum(kept) - 1)[exact],
-    )
-    # when the tool is changed is known to a step
-    changed = np.flatnonzero(np.diff(points.tool_length))
-    found.late[found.row[changed]], found.early[found.row[changed + 1]] = points.t[changed + 1], points.t[changed]
-    return found
+    def of_block(begin: int, end: int) -> Stretch:
+        block = Block.of(points, begin, end)
+        return Stretch.of(block, poses[block.first : block.first + len(block.near)], limits, dt, begin, end)
+
+    return joined(each_block(of_block, len(points) - 1), points.t, poses[-1])
 
 
-class _Stretch(NamedTuple):
+class Stretch(NamedTuple):
     """The row of some steps: the ends of their chords, and the first set-point of all where they begin with it."""
 
     kept: Bools
@@ -209,49 +182,88 @@ class _Stretch(NamedTuple):
     """(kept, 6)"""
     allowance: Floats
     """(kept,)"""
+    changes: Ints
+    """Steps in which the tool is changed."""
+
+    @classmethod
+    def of(cls, block: Block, poses: Floats, limits: Limits, dt: float, begin: int, end: int) -> Stretch:
+        """That of the steps from `begin` to `end`, with the poses (k, 6) of all rows that the block has.
+
+        Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
+        50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
+        Poses that are equal to the one before are left out.
+        """
+        n, t = block.of_all, block.near.t
+        # the differences about a step reach to three set-points before it and behind it
+        first, last = max(begin - 3, 0), min(end + 4, n)
+        here = slice(first - block.first, last - block.first)
+        t, near, lengths = t[here], poses[here], block.near.tool_length[here]
+        mine = slice(begin - first, end - first)
+        parts, unseen = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin)
+        second = np.zeros((last - first, 6))
+        if n >= 6:
+            inner = _curved(block.near.q[here], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
+            second[1:-1] = np.diff(near, n=2, axis=0)
+            size = _size(second)
+            size = np.maximum(size[:-1], size[1:])
+            inner &= ~_beside(lengths, last - first)
+            steps = np.arange(first, last - 1)
+            inner &= (steps > 0) & (steps < n - 3)
+            parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS)
+            parts = parts.astype(np.int64)[mine]
+            fourth = _size(np.diff(near, n=4, axis=0))
+            # of the step from k to k + 1: all differences that have both of them
+            differences = (np.clip(np.arange(begin, end) - back, first, last - 5) - first for back in range(4))
+            unseen = np.minimum(UNSEEN * np.max([fourth[each] for each in differences], axis=0), MOST_UNSEEN)
+        after, share = _shares(np.arange(begin + 1, end + 1), parts)
+        k = after - 1
+        exact = share == 1.0
+        row = np.concatenate((near[mine.start : mine.start + 1], near[after - first]))
+        # of long motions most steps are one chord: what is worked out is what lies between set-points
+        between = np.flatnonzero(~exact)
+        low, high, u = k[between] - first, after[between] - first, share[between][:, None]
+        bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[low] + (1.0 + u) * second[high])
+        row[1 + between] = near[low] + u * (near[high] - near[low]) - bend
+        allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k - begin])))
+        setpoint = np.concatenate(([begin], np.where(exact, after, k)))
+        left, right = t[k - first], t[after - first]
+        on_the_way = np.where(exact, right, left + share * (right - left))
+        time = np.concatenate((t[mine.start : mine.start + 1], on_the_way))
+        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
+        # the set-point that it begins with is that of the stretch before
+        of_it = slice(int(begin > 0), None)
+        kept, exact = kept[of_it], np.concatenate(([True], exact))[of_it]
+        changes = begin + np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
+        return cls(kept, exact, setpoint[of_it], time[of_it], row[of_it][kept], allowance[of_it][kept], changes)
 
 
-def _stretch(
-    points: SetPoints, poses: Floats, limits: Limits, dt: float, beside: Bools, begin: int, end: int
-) -> _Stretch:
-    """That of the steps from `begin` to `end`; `beside` (n - 1,) tells of all steps whether a tool changes there."""
-    n = len(points)
-    # the differences about a step reach to three set-points before it and behind it
-    first, last = max(begin - 3, 0), min(end + 4, n)
-    mine = slice(begin - first, end - first)
-    t, near = points.t[first:last], poses[first:last]
-    inner = _curved(points.q[first:last], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
-    parts, unseen, second = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin), np.zeros((last - first, 6))
-    if n >= 6:
-        second[1:-1] = np.diff(near, n=2, axis=0)
-        size = _size(second)
-        size = np.maximum(size[:-1], size[1:])
-        inner &= ~beside[first : last - 1]
-        steps = np.arange(first, last - 1)
-        inner &= (steps > 0) & (steps < n - 3)
-        parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)[mine]
-        fourth = _size(np.diff(near, n=4, axis=0))
-        # of the step from k to k + 1: all differences that have both of them
-        differences = (np.clip(np.arange(begin, end) - back, first, last - 5) - first for back in range(4))
-        unseen = np.minimum(UNSEEN * np.max([fourth[each] for each in differences], axis=0), MOST_UNSEEN)
-    after, share = _shares(np.arange(begin + 1, end + 1), parts)
-    k = after - 1
-    exact = share == 1.0
-    row = np.concatenate((poses[begin : begin + 1], poses[after]))
-    # of long motions most steps are one chord: what is worked out is what lies between set-points
-    between = np.flatnonzero(~exact)
-    here, there, u = k[between], after[between], share[between][:, None]
-    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[here - first] + (1.0 + u) * second[there - first])
-    row[1 + between] = poses[here] + u * (poses[there] - poses[here]) - bend
-    allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k - begin])))
-    setpoint = np.concatenate(([begin], np.where(exact, after, k)))
-    on_the_way = points.t[k] + share * (points.t[after] - points.t[k])
-    time = np.concatenate((points.t[begin : begin + 1], np.where(exact, points.t[after], on_the_way)))
-    kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
-    # the set-point that it begins with is that of the stretch before
-    of_it = slice(int(begin > 0), None)
-    kept, exact = kept[of_it], np.concatenate(([True], exact))[of_it]
-    return _Stretch(kept, exact, setpoint[of_it], time[of_it], row[of_it][kept], allowance[of_it][kept])
+def joined(stretches: Sequence[Stretch], t: Floats, end: Floats) -> MotionRow:
+    """The row of a whole motion at times t (n,), which ends at the pose `end` (6,)."""
+    kept, exact, setpoint, time, poses, allowance, changes = (
+        [getattr(each, name) for each in stretches] for name in Stretch._fields
+    )
+    every = np.concatenate(kept)
+    if every.sum() < 2:
+        # a row has two poses, even where nothing moves
+        every[-1] = True
+        poses.append(end[None])
+        allowance.append(np.zeros(1))
+    starts = np.flatnonzero(every)
+    ends = np.append(starts[1:], len(every)) - 1
+    of_row, when = np.concatenate(setpoint), np.concatenate(time)
+    found = MotionRow(
+        poses=np.concatenate(poses),
+        allowance=np.concatenate(allowance),
+        first=of_row[starts],
+        last=of_row[ends],
+        early=when[starts],
+        late=when[ends],
+        row=(np.cumsum(every) - 1)[np.concatenate(exact)],
+    )
+    # when the tool is changed is known to a step
+    changed = np.concatenate(changes)
+    found.late[found.row[changed]], found.early[found.row[changed + 1]] = t[changed + 1], t[changed]
+    return found
 
 
 def _beside(tool_length: Floats, n: int) -> Bools:

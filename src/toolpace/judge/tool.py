@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.judge.largest import Largest, columns_of, each_block
+from toolpace.judge.largest import Largest, each_block
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.programs.toolpath import ToolPath
+
+if TYPE_CHECKING:
+    from toolpace.judge.seen_motion import SeenMotion
 
 AGREEMENT = 1e-8
 """How far the columns of tip and axis may be from forward kinematics [m or rad]."""
@@ -41,31 +45,64 @@ def forward_kinematics(points: SetPoints, machine: Machine) -> tuple[Floats, Flo
     return tip, axis
 
 
-def tool_checks(points: SetPoints, machine: Machine, tip: Floats, axis: Floats) -> list[Check]:
-    """Travel of each joint; the tip and axis columns against `tip` and `axis`, the forward kinematics of
-    `q`."""
+class BlockTool(NamedTuple):
+    """What forward kinematics make of one block."""
 
-    def of_block(begin: int, end: int) -> tuple[Largest, Largest, Largest]:
-        q, rows = columns_of(points.q, begin, end), slice(begin, end)
-        pairs = ((points.tip, tip), (points.axis, axis)) if points.has_tool else ()
-        off = [np.sqrt(((told[rows] - true[rows]) ** 2).sum(axis=1)) for told, true in pairs]
-        return Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), end - begin)), begin)
+    highest: Largest
+    """Position of each joint."""
+    lowest: Largest
+    """The same with the other sign."""
+    off: Largest
+    """How far the columns of tip and axis are off; of no columns where there are none."""
+    length_off: Largest
+    """How far lengths of tools are off those of the program; of no columns where none are named."""
+    farthest: float
+    """Largest coordinate of the tip without sign [m]."""
+    lengths: Floats
+    """(steps,) how far the tip goes in each step [m]; see `ways`."""
 
-    highest, lowest, off = (Largest.of_all(parts) for parts in zip(*each_block(of_block, len(points))))
-    checks = []
-    for j, joint in enumerate(points.joints):
+    @classmethod
+    def of(cls, block: Block, tip: Floats, axis: Floats, tool_lengths: Floats) -> BlockTool:
+        """That of a block, with tips and axes (k, 3) by the joints of all rows that it has, and the lengths of the
+        program's tools (l,)."""
+        near, mine = block.near, slice(block.begin - block.first, block.end - block.first)
+        begin, q = block.begin, block.columns("q", block.begin, block.end)
+        pairs = ((near.tip, tip), (near.axis, axis)) if near.has_tool else ()
+        off = [np.sqrt(((told[mine] - true[mine]) ** 2).sum(axis=1)) for told, true in pairs]
+        named = near.tool_length[mine]
+        length_off = [np.abs(named[:, None] - tool_lengths).min(axis=1)] if len(named) and len(tool_lengths) else []
+        step = ways(near, tip, axis, mine.start, min(mine.stop, len(near) - 1))
+        return cls(
+            Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), q.shape[1])), begin),
+            Largest.of(np.reshape(length_off, (len(length_off), q.shape[1])), begin),
+            max(float(tip[mine].max()), -float(tip[mine].min())), np.sqrt((step**2).sum(axis=1)),
+        )  # fmt: skip
+
+    @classmethod
+    def of_all(cls, parts: Sequence[BlockTool]) -> BlockTool:
+        """That of a whole motion, from those of its blocks."""
+        highest, lowest, off, length_off, farthest, lengths = zip(*parts)
+        largest = (Largest.of_all(each) for each in (highest, lowest, off, length_off))
+        return cls(*largest, max(farthest), np.concatenate(lengths))
+
+
+def tool_checks(seen: SeenMotion, machine: Machine) -> list[Check]:
+    """Travel of each joint; the tip and axis columns against the forward kinematics of positions."""
+    assert seen.tool is not None
+    checks, highest, lowest, off = [], seen.tool.highest, seen.tool.lowest, seen.tool.off
+    for j, joint in enumerate(seen.joints):
         low, high = float(machine.travel[j, 0]), float(machine.travel[j, 1])
         unit = "rad" if machine.is_rotary[j] else "m"
         for bound, worst, at_least in ((high, int(highest.row[j]), False), (low, int(lowest.row[j]), True)):
             if np.isfinite(bound):
-                value = float(points.q[worst, j])
+                value = -float(lowest.value[j]) if at_least else float(highest.value[j])
                 over = bound - value if at_least else value - bound
-                time, block = float(points.t[worst]), int(points.block[worst])
+                time, block = seen.place(worst)
                 ok = over <= TRAVEL_ROUNDING
                 name = "lowest position" if at_least else "highest position"
                 checks.append(Check(name, value, bound, unit, ok, time, block, joint, at_least=at_least))
     for name, unit, value, worst in zip(("tip column", "axis column"), ("m", "rad"), off.value, off.row):
-        time, block = float(points.t[worst]), int(points.block[worst])
+        time, block = seen.place(worst)
         ok, note = bool(value <= AGREEMENT), "against forward kinematics"
         checks.append(Check(name, float(value), AGREEMENT, unit, ok, time, block, note=note))
     return checks
@@ -125,27 +162,31 @@ def way_lengths(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
     return lengths
 
 
-def length_checks(points: SetPoints, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
+def tool_lengths(machine: Machine, toolpath: ToolPath) -> Floats:
+    """(n,) of the tool on the way to each point of a program [m]."""
+    return np.where(np.isnan(toolpath.tool_length), machine.tool_length, toolpath.tool_length)
+
+
+def length_checks(seen: SeenMotion, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """The lengths that set-points name against the program's, and the program's against the sheet."""
-    own = machine.tool_length
-    wanted = np.where(np.isnan(toolpath.tool_length), own, toolpath.tool_length)
-    named = points.tool_length if len(points.tool_length) else np.array([own])
-    lengths = np.unique(wanted[1:])
-    off = np.abs(named[:, None] - lengths).min(axis=1)
-    worst = int(np.argmax(off))
-    checks = []
-    if len(points.tool_length) or (off > SAME).any():
-        ok, note = bool(off[worst] <= SAME), "against those of the program's tools"
-        place = float(points.t[worst]), int(points.block[worst])
-        checks.append(Check("tool length of set-points", float(off[worst]), SAME, "m", ok, *place, note=note))
-    return [*checks, *_sheet_check(own, toolpath, wanted, table)]
+    assert seen.tool is not None
+    off, row, checks = 0.0, 0, []
+    named = len(seen.tool.length_off.value) > 0
+    if named:
+        off, row = float(seen.tool.length_off.value[0]), int(seen.tool.length_off.row[0])
+    else:
+        off = float(np.abs(machine.tool_length - tool_lengths(machine, toolpath)[1:]).min())
+    if named or off > SAME:
+        note = "against those of the program's tools"
+        checks.append(Check("tool length of set-points", off, SAME, "m", off <= SAME, *seen.place(row), note=note))
+    return [*checks, *sheet_check(machine, toolpath, table)]
 
 
-def _sheet_check(own: float, toolpath: ToolPath, wanted: Floats, table: Mapping[str, float]) -> list[Check]:
+def sheet_check(machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """Whether each way of the program is that of a tool as long as the sheet says, or as the program's own words do."""
     if not table:
         return []
-    worst, at = 0.0, 1
+    own, wanted, worst, at = machine.tool_length, tool_lengths(machine, toolpath), 0.0, 1
     for k, operation in enumerate(toolpath.operations):
         rows = 1 + np.flatnonzero(toolpath.operation[1:] == k)
         if not len(rows):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import zipfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -15,6 +16,7 @@ from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import free_memory, reason, whole_file
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import ByValue, named, one_line
+from toolpace.common.workers import Workers
 
 OPTIONAL = "tool_length"
 """The one column that a file may lack."""
@@ -72,8 +74,8 @@ class Block(NamedTuple):
     first: int
     begin: int
     end: int
-    count: int
-    """Rows of the whole motion."""
+    of_all: int
+    """How many rows the whole motion has."""
 
     @classmethod
     def of(cls, source: SetPointSource, begin: int, end: int) -> Block:
@@ -94,6 +96,17 @@ class Block(NamedTuple):
     def times(self, begin: int, end: int) -> Floats:
         """(k,) times of some rows of the motion [s]."""
         return self.near.t[begin - self.first : end - self.first]
+
+
+def each_block(source: SetPointSource, takers: Sequence[Callable[[Block], None]]) -> None:
+    """Give each block of a source to all takers, on all cores."""
+
+    def give(begin: int) -> None:
+        block = Block.of(source, begin, min(begin + ROWS, len(source)))
+        for take in takers:
+            take(block)
+
+    Workers().each(give, range(0, len(source), ROWS))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
