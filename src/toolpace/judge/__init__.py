@@ -24,7 +24,7 @@ from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
-__all__ = ["Check", "Verification", "verify"]
+__all__ = ["Check", "MotionJudge", "Verification", "motion_judge", "verify", "verify_plan"]
 
 
 class Sampled(Protocol):

@@ -120,7 +120,7 @@ class BentTool:
         self, points: SetPoints, bent: Floats, axis: Floats, way: Ints, tables: list[ForceTable]
     ) -> Floats:
         """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`; blended."""
-        step = ways(points, bent, axis, 0, len(points) - 1)
+        step = ways(points.tool_length, bent, axis, 0, len(points) - 1)
         turn = tool_in_workpiece(self.machine, 0.5 * (points.q[:-1] + points.q[1:]))
         spindle = turn[:, :, 2]
         across = step - (step * spindle).sum(axis=1, keepdims=True) * spindle

@@ -75,9 +75,9 @@ class BlockPeaks(NamedTuple):
     """(m,)"""
 
     @classmethod
-    def of(cls, block: Block, even: int) -> BlockPeaks:
-        """Those of a block of a motion whose first `even` set-points come at equal steps."""
-        begin, end, n = block.begin, block.end, block.of_all
+    def of(cls, block: Block, begin: int, end: int, even: int) -> BlockPeaks:
+        """Those of some rows of a motion whose first `even` set-points come at equal steps."""
+        n = block.of_all
         q = block.columns("q", begin, min(end + ORDERS[-1], n))
         columns = [Largest.of(np.abs(block.columns(name, begin, end)), begin) for name in ("qd", "qdd", "qddd")]
         differences, difference = [], q[:, : max(even - begin, 0)]

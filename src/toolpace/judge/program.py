@@ -62,7 +62,10 @@ class JudgedProgram:
 
     def poses(self, tip: Floats, axis: Floats) -> Floats:
         """(n, 6) of tips and axes (n, 3), in the narrowest tolerances."""
-        return np.hstack((tip / self.units[0], axis / self.units[1]))
+        found = np.empty((len(tip), 6))
+        np.divide(tip, self.units[0], out=found[:, :3])
+        np.divide(axis, self.units[1], out=found[:, 3:])
+        return found
 
     def judge(self, seen: SeenMotion, stretches: list[Stretch], points: SetPointSource) -> ProgramJudgement:
         """The verdict on a motion of which these are the rows; `points` are all of it where the tool bends."""

@@ -162,7 +162,8 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
 
     def of_block(begin: int, end: int) -> Stretch:
         block = Block.of(points, begin, end)
-        return Stretch.of(block, poses[block.first : block.first + len(block.near)], limits, dt, begin, end)
+        near = poses[block.first : block.first + len(block.near)]
+        return Stretch.of(block, near, block.first, limits, dt, begin, end)
 
     return joined(each_block(of_block, len(points) - 1), points.t, poses[-1])
 
@@ -186,8 +187,10 @@ class Stretch(NamedTuple):
     """Steps in which the tool is changed."""
 
     @classmethod
-    def of(cls, block: Block, poses: Floats, limits: Limits, dt: float, begin: int, end: int) -> Stretch:
-        """That of the steps from `begin` to `end`, with the poses (k, 6) of all rows that the block has.
+    def of(
+        cls, block: Block, poses: Floats, first_pose: int, limits: Limits, dt: float, begin: int, end: int
+    ) -> Stretch:
+        """That of the steps from `begin` to `end`, with the poses (k, 6) from the row `first_pose` on.
 
         Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
         50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
@@ -197,7 +200,7 @@ class Stretch(NamedTuple):
         # the differences about a step reach to three set-points before it and behind it
         first, last = max(begin - 3, 0), min(end + 4, n)
         here = slice(first - block.first, last - block.first)
-        t, near, lengths = t[here], poses[here], block.near.tool_length[here]
+        t, near, lengths = t[here], poses[first - first_pose : last - first_pose], block.near.tool_length[here]
         mine = slice(begin - first, end - first)
         parts, unseen = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin)
         second = np.zeros((last - first, 6))
@@ -248,22 +251,20 @@ def joined(stretches: Sequence[Stretch], t: Floats, end: Floats) -> MotionRow:
         every[-1] = True
         poses.append(end[None])
         allowance.append(np.zeros(1))
-    starts = np.flatnonzero(every)
-    ends = np.append(starts[1:], len(every)) - 1
-    of_row, when = np.concatenate(setpoint), np.concatenate(time)
-    found = MotionRow(
-        poses=np.concatenate(poses),
-        allowance=np.concatenate(allowance),
-        first=of_row[starts],
-        last=of_row[ends],
-        early=when[starts],
-        late=when[ends],
-        row=(np.cumsum(every) - 1)[np.concatenate(exact)],
-    )
-    # when the tool is changed is known to a step
-    changed = np.concatenate(changes)
-    found.late[found.row[changed]], found.early[found.row[changed + 1]] = t[changed + 1], t[changed]
-    return found
+    of_row, when, changed = np.concatenate(setpoint), np.concatenate(time), np.concatenate(changes)
+    first, last, early, late = of_row, of_row, when, when
+    row = np.flatnonzero(np.concatenate(exact))
+    if not every.all():
+        # few poses are those before them
+        starts = np.flatnonzero(every)
+        ends = np.append(starts[1:], len(every)) - 1
+        first, last, early, late = of_row[starts], of_row[ends], when[starts], when[ends]
+        row = (np.cumsum(every) - 1)[row]
+    if len(changed):
+        # when the tool is changed is known to a step
+        early, late = early.copy(), late.copy()
+        late[row[changed]], early[row[changed + 1]] = t[changed + 1], t[changed]
+    return MotionRow(np.concatenate(poses), np.concatenate(allowance), first, last, early, late, row)
 
 
 def _beside(tool_length: Floats, n: int) -> Bools:

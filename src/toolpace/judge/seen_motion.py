@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -28,7 +29,7 @@ from toolpace.judge.tool import BlockTool, length_checks, pole_rounding, tool_ch
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
+from toolpace.motion.setpoints import REACH, Block, SetPoints, SetPointSource
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length")
 """Of numbers, each of which must be one."""
@@ -83,6 +84,7 @@ class MotionJudge:
         self.block = np.empty(len(source), dtype=np.int64)
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
+        self._lock = threading.Lock()
         finite = len(source) > 0 and bool(np.isfinite(source.t).all())
         self.step, self._steps = step_check(source) if finite else (math.nan, [])
         self._goes_on = finite and self._steps[0].ok
@@ -98,28 +100,32 @@ class MotionJudge:
         return np.unique(tool_lengths(self.machine, self.program.toolpath)[1:])
 
     def take(self, block: Block) -> None:
-        """Look at a block."""
-        for begin in range(block.begin, block.end, largest.ROWS):
-            self._look(block._replace(begin=begin, end=min(begin + largest.ROWS, block.end)))
-
-    def _look(self, block: Block) -> None:
-        begin, end, near = block.begin, block.end, block.near
-        self.block[begin:end] = near.block[begin - block.first : end - block.first]
-        if not all(np.isfinite(getattr(near, name)).all() for name in COLUMNS):
-            self._note_bad(block.points, begin)
+        """Look at a block, in parts that stay in the nearest cache."""
+        near = block.near
+        if not all(_finite(getattr(near, name)) for name in COLUMNS):
+            self._note_bad(block)
             return
+        self.block[block.begin : block.end] = block.points.block
         if not self._goes_on:
             return
-        behind = min(end, block.of_all - 1)
-        jumpy, limits = jumpy_joints(self.limits), self.limits
+        for begin in range(block.begin, block.end, largest.ROWS):
+            self._look(block, begin, min(begin + largest.ROWS, block.end))
+
+    def _look(self, block: Block, begin: int, end: int) -> None:
+        """Note what is to be said of the rows from `begin` to `end` of a block."""
+        behind, jumpy, limits = min(end, block.of_all - 1), jumpy_joints(self.limits), self.limits
         tool = stretch = None
         if self.machine is not None:
-            tip, axis = self.machine.forward(near.q, near.tool_length if len(near.tool_length) else None)
-            tool = BlockTool.of(block, tip, axis, self._tool_lengths)
+            first = max(begin - REACH, block.first)
+            rows = slice(first - block.first, end + REACH - block.first)
+            q, lengths = block.near.q[rows], block.near.tool_length[rows]
+            tip, axis = self.machine.forward(q, lengths if len(lengths) else None)
+            tool = BlockTool.of(block, begin, end, tip, axis, first, self._tool_lengths)
             if self.program is not None and self.program.bent is None and behind > begin:
-                stretch = Stretch.of(block, self.program.poses(tip, axis), limits, self.step, begin, behind)
+                poses = self.program.poses(tip, axis)
+                stretch = Stretch.of(block, poses, first, limits, self.step, begin, behind)
         self._notes[begin] = _Notes(
-            BlockPeaks.of(block, self._even),
+            BlockPeaks.of(block, begin, end, self._even),
             largest_misfits(block, begin, behind, jumpy),
             JerkWindows.of(block, begin, behind, np.flatnonzero(~jumpy)),
             tool,
@@ -127,14 +133,16 @@ class MotionJudge:
             stretch,
         )
 
-    def _note_bad(self, points: SetPoints, begin: int) -> None:
+    def _note_bad(self, block: Block) -> None:
         """Keep the first number of each column that is none."""
+        self.block[block.begin : block.end] = block.points.block
         for name in COLUMNS:
-            bad = np.argwhere(~np.isfinite(getattr(points, name)))
+            bad = np.argwhere(~np.isfinite(getattr(block.points, name)))
             if len(bad):
                 row, *column = (int(each) for each in bad[0])
-                place = begin + row, column[0] if column else 0
-                self._bad[name] = min(place, self._bad.get(name, place))
+                place = block.begin + row, column[0] if column else 0
+                with self._lock:
+                    self._bad[name] = min(place, self._bad.get(name, place))
 
     def judged(self) -> tuple[Verification, ProgramJudgement | None]:
         """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
@@ -211,3 +219,9 @@ class MotionJudge:
                 note = f"set-point {row}: {name} is not a number"
                 return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
         return None
+
+
+def _finite(values: Floats) -> bool:
+    """Whether all are finite: their sum tells, but for that of numbers near the largest there are."""
+    with np.errstate(all="ignore"):
+        return math.isfinite(float(values.sum())) or bool(np.isfinite(values).all())

@@ -62,16 +62,19 @@ class BlockTool(NamedTuple):
     """(steps,) how far the tip goes in each step [m]; see `ways`."""
 
     @classmethod
-    def of(cls, block: Block, tip: Floats, axis: Floats, tool_lengths: Floats) -> BlockTool:
-        """That of a block, with tips and axes (k, 3) by the joints of all rows that it has, and the lengths of the
+    def of(
+        cls, block: Block, begin: int, end: int, tip: Floats, axis: Floats, first: int, tool_lengths: Floats
+    ) -> BlockTool:
+        """That of some rows, with tips and axes (k, 3) by the joints from row `first` on, and the lengths of the
         program's tools (l,)."""
-        near, mine = block.near, slice(block.begin - block.first, block.end - block.first)
-        begin, q = block.begin, block.columns("q", block.begin, block.end)
+        rows, mine = slice(begin - block.first, end - block.first), slice(begin - first, end - first)
+        near, q = block.near, block.columns("q", begin, end)
         pairs = ((near.tip, tip), (near.axis, axis)) if near.has_tool else ()
-        off = [np.sqrt(((told[mine] - true[mine]) ** 2).sum(axis=1)) for told, true in pairs]
-        named = near.tool_length[mine]
+        off = [np.sqrt(((told[rows] - true[mine]) ** 2).sum(axis=1)) for told, true in pairs]
+        named = near.tool_length[rows]
         length_off = [np.abs(named[:, None] - tool_lengths).min(axis=1)] if len(named) and len(tool_lengths) else []
-        step = ways(near, tip, axis, mine.start, min(mine.stop, len(near) - 1))
+        lengths = near.tool_length[first - block.first :] if len(named) else named
+        step = ways(lengths, tip, axis, mine.start, min(mine.stop, block.of_all - 1 - first))
         return cls(
             Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), q.shape[1])), begin),
             Largest.of(np.reshape(length_off, (len(length_off), q.shape[1])), begin),
@@ -82,8 +85,10 @@ class BlockTool(NamedTuple):
     def of_all(cls, parts: Sequence[BlockTool]) -> BlockTool:
         """That of a whole motion, from those of its blocks."""
         highest, lowest, off, length_off, farthest, lengths = zip(*parts)
-        largest = (Largest.of_all(each) for each in (highest, lowest, off, length_off))
-        return cls(*largest, max(farthest), np.concatenate(lengths))
+        return cls(
+            Largest.of_all(highest), Largest.of_all(lowest), Largest.of_all(off), Largest.of_all(length_off),
+            max(farthest), np.concatenate(lengths),
+        )  # fmt: skip
 
 
 def tool_checks(seen: SeenMotion, machine: Machine) -> list[Check]:
@@ -142,12 +147,13 @@ def _plain(name: str) -> str:
     return name.lstrip("0") or "0" if name.strip().isdigit() else " ".join(name.split())
 
 
-def ways(points: SetPoints, tip: Floats, axis: Floats, begin: int, end: int) -> Floats:
+def ways(tool_length: Floats, tip: Floats, axis: Floats, begin: int, end: int) -> Floats:
     """(k, 3) how the tip at (n, 3) goes in the steps from `begin` to `end`, with the tool in the spindle at
-    their begin: where another one takes its place the tip is elsewhere, and did not go there."""
+    their begin: where another one, of another of the lengths (n,), takes its place the tip is elsewhere, and did not go
+    there."""
     step = np.diff(tip[begin : end + 1], axis=0)
-    if len(points.tool_length):
-        step += np.diff(points.tool_length[begin : end + 1])[:, None] * axis[begin + 1 : end + 1]
+    if len(tool_length):
+        step += np.diff(tool_length[begin : end + 1])[:, None] * axis[begin + 1 : end + 1]
     return step
 
 
@@ -156,7 +162,7 @@ def way_lengths(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
     lengths = np.empty(len(points) - 1)
 
     def of_block(begin: int, end: int) -> None:
-        lengths[begin:end] = np.sqrt((ways(points, tip, axis, begin, end) ** 2).sum(axis=1))
+        lengths[begin:end] = np.sqrt((ways(points.tool_length, tip, axis, begin, end) ** 2).sum(axis=1))
 
     each_block(of_block, len(lengths))
     return lengths

@@ -6,8 +6,9 @@ import os
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -66,7 +67,8 @@ class SetPointSource(Protocol):
         """The set-points of some rows (k,), in their order."""
 
 
-class Block(NamedTuple):
+@dataclass(frozen=True)
+class Block:
     """The set-points of a motion from one row to before another, with up to `REACH` beside them."""
 
     near: SetPoints
@@ -76,6 +78,7 @@ class Block(NamedTuple):
     end: int
     of_all: int
     """How many rows the whole motion has."""
+    _columns: dict[str, Floats] = field(default_factory=dict)
 
     @classmethod
     def of(cls, source: SetPointSource, begin: int, end: int) -> Block:
@@ -83,19 +86,25 @@ class Block(NamedTuple):
         first = max(begin - REACH, 0)
         return cls(source.rows(first, min(end + REACH, len(source))), first, begin, end, len(source))
 
-    @property
+    @cached_property
     def points(self) -> SetPoints:
         """Only those from `begin` to `end`."""
         return self.near.rows(self.begin - self.first, self.end - self.first)
 
     def columns(self, name: str, begin: int, end: int) -> Floats:
-        """(m, k) columns of some rows of the motion, each in one piece; (1, k) of times."""
-        values = getattr(self.near, name)[begin - self.first : end - self.first]
-        return np.ascontiguousarray(values.reshape(len(values), -1).T)
+        """(m, k) columns of some rows of the motion, turned once for all parts of the block."""
+        if name not in self._columns:
+            self._columns[name] = np.ascontiguousarray(getattr(self.near, name).T)
+        return self._columns[name][:, begin - self.first : end - self.first]
 
     def times(self, begin: int, end: int) -> Floats:
         """(k,) times of some rows of the motion [s]."""
         return self.near.t[begin - self.first : end - self.first]
+
+
+def in_memory(source: SetPointSource) -> SetPoints:
+    """All set-points of a source at once."""
+    return source if isinstance(source, SetPoints) else source.rows(0, len(source))
 
 
 def each_block(source: SetPointSource, takers: Sequence[Callable[[Block], None]]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -12,6 +13,7 @@ import msgspec
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_folder
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.files.set_point_files import (
     COMPACT_FILE,
     FULL_FILE,
@@ -19,18 +21,21 @@ from toolpace.motion.files.set_point_files import (
     file_of,
     form_of,
     set_points_file,
-    write_set_points,
 )
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
+from toolpace.motion.setpoints import SetPointSource, each_block, in_memory
+from toolpace.motion.trajectory import Trajectory
+from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.csv import write_csv
+from toolpace.results.write.digest import SetPointDigest
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
 from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
-    "write_folder",
+    "PlanResult", "SetPointDigest", "bent_tool", "digest_of", "read_again", "read_plan", "reading_record",
+    "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
 TABLE = "setpoints.csv"
@@ -62,13 +67,20 @@ def write_folder(
     """
     tell = progress or (lambda share: None)
     began = time.perf_counter()
+    digest = result.digest
+    if digest is None:
+        digest = digest_of(result.machine, result.trajectory, result.setpoints, result.toolpath, report=report, npz=npz)
+        each_block(result.setpoints, (digest.take,))
+        result = replace(result, digest=digest)
     record = result.record()
     with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         form = form_of(npz, len(result.setpoints), len(result.machine.joints))
-        # who reads them has the machine of the file, whose figures were rounded to decimals
-        write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
+        if digest.packed is not None:
+            digest.packed.write(folder / COMPACT_FILE)
+        elif form == "full":
+            in_memory(result.setpoints).save(folder / FULL_FILE)
         if form != "no" and is_writable(result.trajectory.axis_path, result.trajectory.laws):
             write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
@@ -84,13 +96,36 @@ def write_folder(
             from toolpace.results.report import write_report
 
             write_report(
-                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record
-            )
+                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record,
+                digest.curves,
+            )  # fmt: skip
         steps = {**record.step_s, WRITING: time.perf_counter() - began}
         record = msgspec.structs.replace(record, step_s=steps)
         write_plan(folder / PLAN, record)
         tell(1.0)
     return record
+
+
+def digest_of(
+    machine: Machine,
+    trajectory: Trajectory,
+    source: SetPointSource,
+    toolpath: ToolPath | None,
+    *,
+    report: bool,
+    npz: str,
+) -> SetPointDigest:
+    """What will take the set-points of a plan for its folder; see `write_folder`."""
+    curves = packed = None
+    if report:
+        from toolpace.results.report.charts import Curves
+        from toolpace.results.report.page import units_of
+
+        curves = Curves(source, trajectory.limits, units_of(trajectory.axis_path.machine, source.joints), toolpath)
+    if form_of(npz, len(source), len(machine.joints)) == "compact":
+        # who reads them has the machine of the file, whose figures were rounded to decimals
+        packed = CompactWriter(source, Machine.from_toml(machine.to_toml()))
+    return SetPointDigest(packed, curves)
 
 
 def copy_program(result: PlanResult, copy: Path) -> None:

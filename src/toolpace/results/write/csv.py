@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.files import whole_file
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPointSource
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -20,7 +20,7 @@ _KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s
 """What a column holds, the field of SetPoints, and what its unit is divided by."""
 
 
-def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], list[float]]:
+def columns(setpoints: SetPointSource, machine: Machine | None) -> tuple[list[str], list[float]]:
     """Names with units, and the factors from SI, of all columns but the last (block)."""
     rotary = machine.is_rotary if machine is not None else [None] * len(setpoints.joints)
     units = [("", 1.0) if r is None else ("deg", 180.0 / math.pi) if r else ("mm", 1e3) for r in rotary]
@@ -36,23 +36,23 @@ def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], l
     return names, factors
 
 
-def write_csv(path: str | os.PathLike[str], setpoints: SetPoints, machine: Machine | None = None) -> None:
+def write_csv(path: str | os.PathLike[str], setpoints: SetPointSource, machine: Machine | None = None) -> None:
     """Write the table, whole or not at all: time, positions, velocities, accelerations, jerks, tip, axis,
     block.
 
     Fifteen digits: a jerk found by differences of positions at 1 ms needs them.
     """
     names, factors = columns(setpoints, machine)
-    parts = [setpoints.t[:, None], setpoints.q, setpoints.qd, setpoints.qdd, setpoints.qddd]
-    parts += [setpoints.tip, setpoints.axis] if setpoints.has_tool else []
     form = "%.15g," * len(names) + "%d\n"
     scale = np.array(factors)
     with whole_file(path) as temporary, temporary.open("w", encoding="ascii", newline="") as stream:
         stream.write(",".join([*names, "block"]) + "\n")
         for start in range(0, len(setpoints), CHUNK):
-            rows = slice(start, start + CHUNK)
+            points = setpoints.rows(start, min(start + CHUNK, len(setpoints)))
+            parts = [points.t[:, None], points.q, points.qd, points.qdd, points.qddd]
+            parts += [points.tip, points.axis] if points.has_tool else []
             # Zero has no sign.
-            values = np.hstack([part[rows] for part in parts]) * scale + 0.0
+            values = np.hstack(parts) * scale + 0.0
             # Block numbers are exact in double precision, so that one format serves the whole row.
-            table = np.column_stack((values, setpoints.block[rows]))
+            table = np.column_stack((values, points.block))
             stream.write((form * len(table)) % tuple(table.ravel().tolist()))

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
-from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write.plan_json import OpenPlaceRecord, OperationRecord, RoundRecord, UsageRecord
 
@@ -89,10 +88,3 @@ def largest_known(deviations: Sequence[float], scale: float) -> float | None:
     """The largest known one, times a scale; None where none is known."""
     known = [float(value) * scale for value in deviations if math.isfinite(value)]
     return max(known) if known else None
-
-
-def tip_length(setpoints: SetPoints) -> float | None:
-    """Length of the way of the tip [mm]; None where there is no tool."""
-    if not setpoints.has_tool:
-        return None
-    return float(setpoints.tip_steps.sum()) * 1e3

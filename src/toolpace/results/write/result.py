@@ -16,10 +16,11 @@ from toolpace.cutting.compensated_program import BendingCompensation
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.motion.operation_times import operation_times
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPointSource
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write import figures
+from toolpace.results.write.digest import SetPointDigest
 from toolpace.results.write.plan_json import PLAN, BendingRecord, PlanRecord
 from toolpace.results.write.reading_options import reading_record
 
@@ -61,7 +62,9 @@ class PlanResult:
 
     trajectory: Trajectory
     machine: Machine
-    setpoints: SetPoints
+    setpoints: SetPointSource
+    digest: SetPointDigest | None = None
+    """What the folder holds of the set-points, where these have been gone through already."""
     toolpath: ToolPath | None = None
     path: Fitted | None = None
     effort: str = "low"
@@ -104,7 +107,8 @@ class PlanResult:
         tip = figures.widest(self.tip_tolerance, toolpath, "tip")
         axis = figures.widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
-        t = self.setpoints.t
+        t, digest = self.setpoints.t, self.digest
+        length = digest.length if digest is not None else SetPointDigest.of(self.setpoints).length
         return PlanRecord(
             duration_s=float(trajectory.duration),
             lower_bound_s=bound,
@@ -124,7 +128,7 @@ class PlanResult:
             planner=trajectory.planner,
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
             set_points=len(self.setpoints),
-            path_length_mm=figures.tip_length(self.setpoints),
+            path_length_mm=length * 1e3 if self.setpoints.has_tool else None,
             tip_tolerance_mm=tip * 1e3 if tip is not None else None,
             axis_tolerance_deg=math.degrees(axis) if axis is not None else None,
             tip_tolerances=figures.by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),
