@@ -62,7 +62,7 @@ class JudgedProgram:
 
     def poses(self, tip: Floats, axis: Floats) -> Floats:
         """(n, 6) of tips and axes (n, 3), in the narrowest tolerances."""
-        found = np.empty((len(tip), 6))
+        found: Floats = np.empty((len(tip), 6))
         np.divide(tip, self.units[0], out=found[:, :3])
         np.divide(axis, self.units[1], out=found[:, 3:])
         return found
@@ -79,7 +79,6 @@ class JudgedProgram:
             lost, there = (where, tip) if isinstance(where, Lost) else (None, where)
             motion = motion_row(every, self.poses(there, axis), self.machine.limits, dt)
             bending = float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
-        stretches.clear()
         room = (1.0 + GRACE) * (self.tolerances.along[self.owner[1:]] / self.units - 1.0)
         found = lost or align(motion.poses, self.line, 1.0 + GRACE, motion.allowance, room)
         judge = _Judge(seen, self.toolpath, motion, self.owner, self.tolerances)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -168,8 +167,8 @@ def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> M
     return joined(each_block(of_block, len(points) - 1), points.t, poses[-1])
 
 
-class Stretch(NamedTuple):
-    """The row of some steps: the ends of their chords, and the first set-point of all where they begin with it."""
+class Chords(NamedTuple):
+    """The ends of the chords of some steps, and the first set-point of all where they begin with it."""
 
     kept: Bools
     """(k,) whether a pose is another than the one before."""
@@ -179,10 +178,19 @@ class Stretch(NamedTuple):
     """(k,) which, or the one before."""
     time: Floats
     """(k,) [s]"""
-    poses: Floats
-    """(kept, 6)"""
     allowance: Floats
     """(kept,)"""
+
+
+class Stretch(NamedTuple):
+    """The row of some steps."""
+
+    poses: Floats
+    """(k, 6)"""
+    first: int
+    """Set-point that it begins with: the one that its steps begin with is of the stretch before."""
+    chords: Chords | None
+    """None where each set-point is a pose, and there are no others."""
     changes: Ints
     """Steps in which the tool is changed."""
 
@@ -201,70 +209,93 @@ class Stretch(NamedTuple):
         first, last = max(begin - 3, 0), min(end + 4, n)
         here = slice(first - block.first, last - block.first)
         t, near, lengths = t[here], poses[first - first_pose : last - first_pose], block.near.tool_length[here]
-        mine = slice(begin - first, end - first)
-        parts, unseen = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin)
-        second = np.zeros((last - first, 6))
+        mine, own = slice(begin - first, end - first), int(begin > 0)
+        changes = begin + np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
+        parts, second = np.ones(end - begin, dtype=np.int64), np.zeros((last - first, 6))
         if n >= 6:
-            inner = _curved(block.near.q[here], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
             second[1:-1] = np.diff(near, n=2, axis=0)
             size = _size(second)
-            size = np.maximum(size[:-1], size[1:])
-            inner &= ~_beside(lengths, last - first)
-            steps = np.arange(first, last - 1)
-            inner &= (steps > 0) & (steps < n - 3)
-            parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS)
-            parts = parts.astype(np.int64)[mine]
-            fourth = _size(np.diff(near, n=4, axis=0))
-            # of the step from k to k + 1: all differences that have both of them
-            differences = (np.clip(np.arange(begin, end) - back, first, last - 5) - first for back in range(4))
-            unseen = np.minimum(UNSEEN * np.max([fourth[each] for each in differences], axis=0), MOST_UNSEEN)
+            size = np.maximum(size[:-1], size[1:])[mine]
+            if size.max(initial=0.0) > 8.0 * CHORD:
+                inner = _curved(block.near.q[here], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
+                inner = (inner & ~_beside(lengths, last - first))[mine]
+                steps = np.arange(begin, end)
+                inner &= (steps > 0) & (steps < n - 3)
+                parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS)
+                parts = parts.astype(np.int64)
+        simple = near[mine.start : mine.stop + 1]
+        new = (simple[1:] != simple[:-1]).any(axis=1)
+        if new.all() and parts.max(initial=1) == 1:
+            return cls(simple[own:], begin + own, None, changes)
+        return cls._of_chords(near, second, t, parts, first, begin, changes)
+
+    @classmethod
+    def _of_chords(
+        cls, near: Floats, second: Floats, t: Floats, parts: Ints, first: int, begin: int, changes: Ints
+    ) -> Stretch:
+        """That of as many chords as there are `parts` (k,) of the steps from `begin` on; poses (m, 6), their second
+        differences and times (m,) are those from the row `first` on."""
+        end, last, own = begin + len(parts), first + len(near), int(begin > 0)
         after, share = _shares(np.arange(begin + 1, end + 1), parts)
         k = after - 1
         exact = share == 1.0
-        row = np.concatenate((near[mine.start : mine.start + 1], near[after - first]))
+        row = np.concatenate((near[begin - first : begin - first + 1], near[after - first]))
+        allowance = np.zeros(len(row))
         # of long motions most steps are one chord: what is worked out is what lies between set-points
         between = np.flatnonzero(~exact)
-        low, high, u = k[between] - first, after[between] - first, share[between][:, None]
-        bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[low] + (1.0 + u) * second[high])
-        row[1 + between] = near[low] + u * (near[high] - near[low]) - bend
-        allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k - begin])))
-        setpoint = np.concatenate(([begin], np.where(exact, after, k)))
+        if len(between):
+            fourth = _size(np.diff(near, n=4, axis=0))
+            low, high, u = k[between] - first, after[between] - first, share[between][:, None]
+            bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[low] + (1.0 + u) * second[high])
+            row[1 + between] = near[low] + u * (near[high] - near[low]) - bend
+            # of the step from k to k + 1: all differences that have both of them
+            differences = (np.clip(k[between] - back, first, last - 5) - first for back in range(4))
+            unseen = UNSEEN * np.max([fourth[each] for each in differences], axis=0)
+            allowance[1 + between] = np.minimum(unseen, MOST_UNSEEN)
         left, right = t[k - first], t[after - first]
         on_the_way = np.where(exact, right, left + share * (right - left))
-        time = np.concatenate((t[mine.start : mine.start + 1], on_the_way))
-        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
-        # the set-point that it begins with is that of the stretch before
-        of_it = slice(int(begin > 0), None)
-        kept, exact = kept[of_it], np.concatenate(([True], exact))[of_it]
-        changes = begin + np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
-        return cls(kept, exact, setpoint[of_it], time[of_it], row[of_it][kept], allowance[of_it][kept], changes)
+        time = np.concatenate((t[begin - first : begin - first + 1], on_the_way))
+        setpoint = np.concatenate(([begin], np.where(exact, after, k)))
+        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))[own:]
+        exact = np.concatenate(([True], exact))[own:]
+        chords = Chords(kept, exact, setpoint[own:], time[own:], allowance[own:][kept])
+        return cls(row[own:][kept], begin + own, chords, changes)
+
+    def detailed(self, t: Floats) -> Chords:
+        """Its chords, of a motion at times t (n,)."""
+        if self.chords is not None:
+            return self.chords
+        count = len(self.poses)
+        every, rows = np.ones(count, dtype=bool), np.arange(self.first, self.first + count)
+        return Chords(every, every, rows, t[rows], np.zeros(count))
 
 
-def joined(stretches: Sequence[Stretch], t: Floats, end: Floats) -> MotionRow:
-    """The row of a whole motion at times t (n,), which ends at the pose `end` (6,)."""
-    kept, exact, setpoint, time, poses, allowance, changes = (
-        [getattr(each, name) for each in stretches] for name in Stretch._fields
-    )
-    every = np.concatenate(kept)
-    if every.sum() < 2:
-        # a row has two poses, even where nothing moves
-        every[-1] = True
-        poses.append(end[None])
-        allowance.append(np.zeros(1))
-    of_row, when, changed = np.concatenate(setpoint), np.concatenate(time), np.concatenate(changes)
-    first, last, early, late = of_row, of_row, when, when
-    row = np.flatnonzero(np.concatenate(exact))
-    if not every.all():
-        # few poses are those before them
-        starts = np.flatnonzero(every)
+def joined(stretches: list[Stretch], t: Floats, end: Floats) -> MotionRow:
+    """The row of a whole motion at times t (n,), which ends at the pose `end` (6,). Uses the stretches up."""
+    poses, changed = [each.poses for each in stretches], np.concatenate([each.changes for each in stretches])
+    if all(each.chords is None for each in stretches) and len(t) > 1:
+        rows = np.arange(len(t))
+        allowance, first, last, early, late, row = np.zeros(len(t)), rows, rows, t, t, rows
+    else:
+        kept, exact, setpoint, time, allowances = (
+            list(each) for each in zip(*(each.detailed(t) for each in stretches))
+        )
+        every, when, of_row = np.concatenate(kept), np.concatenate(time), np.concatenate(setpoint)
+        if every.sum() < 2:
+            # a row has two poses, even where nothing moves
+            every[-1] = True
+            poses.append(end[None])
+            allowances.append(np.zeros(1))
+        allowance, starts = np.concatenate(allowances), np.flatnonzero(every)
         ends = np.append(starts[1:], len(every)) - 1
         first, last, early, late = of_row[starts], of_row[ends], when[starts], when[ends]
-        row = (np.cumsum(every) - 1)[row]
+        row = (np.cumsum(every) - 1)[np.concatenate(exact)]
     if len(changed):
         # when the tool is changed is known to a step
         early, late = early.copy(), late.copy()
         late[row[changed]], early[row[changed + 1]] = t[changed + 1], t[changed]
-    return MotionRow(np.concatenate(poses), np.concatenate(allowance), first, last, early, late, row)
+    stretches.clear()
+    return MotionRow(np.concatenate(poses), allowance, first, last, early, late, row)
 
 
 def _beside(tool_length: Floats, n: int) -> Bools:
