@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.alignment import Lost, align
 from toolpace.judge.rows import motion_row, way_begins
-from toolpace.judge.tool import ways
+from toolpace.judge.seen_motion import ways
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import Cut, CuttingTool
 from toolpace.machine.machine import Machine

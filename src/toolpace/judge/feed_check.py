@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,11 +13,9 @@ from toolpace.common.value_objects import counted
 from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
+from toolpace.judge.seen_motion import SeenMotion
 from toolpace.judge.verification import Check
 from toolpace.programs.toolpath import ToolPath
-
-if TYPE_CHECKING:
-    from toolpace.judge.seen_motion import SeenMotion
 
 Number = TypeVar("Number", np.float64, np.int64)
 

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.judge.largest import EPS, Largest
+from toolpace.common.arrays import Bools, Ints
+from toolpace.judge.seen_motion import EPS, WINDOW, SeenMotion, still_step
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
-from toolpace.motion.setpoints import Block, SetPointSource
-
-if TYPE_CHECKING:
-    from toolpace.judge.seen_motion import SeenMotion
+from toolpace.motion.setpoints import SetPointSource
 
 TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""
@@ -31,19 +27,10 @@ COLUMN_ROUNDING = 1e-9
 
 As a share of the mean jerk no test holds it: JUMPS grants a window far more of that.
 """
-WINDOW = 256
-"""Steps over which the column of jerks is compared with the accelerations; a block holds whole windows."""
-AROUND = 2
-"""Steps before and behind a window whose change of the mean jerk may belong to it."""
 JUMPS = 2.0
 """Jumps of a jerk by its largest value that may hide between set-points in one window."""
 CHANGE = 2.0
 """Share of the change of the mean jerk from step to step by which the jerk may stray from its mean."""
-SAG = 12.0
-"""By how much a jerk that swings within a step may stray from its mean at the ends, for each unit by which the mean
-acceleration is off that of both ends, a step: 6 for a triangle of the length of a step, 2 pi for a sine."""
-SPREADS = 4.0
-"""Standard deviations by which more swings may be met by set-points than are expected."""
 
 
 def unit_of(base: str, order: int) -> str:
@@ -132,13 +119,6 @@ def rest_checks(seen: SeenMotion, limits: Limits, units: Sequence[str]) -> list[
     return checks
 
 
-def still_step(limits: Limits, dt: float) -> Floats:
-    """(joints,) the most that each joint can move from rest in one step."""
-    by_jerk, by_acceleration = limits.jerk * dt**3 / 6.0, limits.acceleration * dt**2 / 2.0
-    least: Floats = np.minimum(np.minimum(by_jerk, by_acceleration), limits.velocity * dt)
-    return least
-
-
 def jumpy_joints(limits: Limits) -> Bools:
     """(m,) joints whose velocity may jump: nothing limits their acceleration nor jerk."""
     return ~np.isfinite(limits.acceleration) & ~np.isfinite(limits.jerk)
@@ -187,77 +167,6 @@ def column_checks(seen: SeenMotion, limits: Limits, units: Sequence[str]) -> lis
     return checks + jerk_columns(seen, np.flatnonzero(~jumpy), units)
 
 
-def largest_misfits(block: Block, begin: int, end: int, jumpy: Bools) -> tuple[Largest, Largest]:
-    """By how much a step of positions is off the mean of the velocities at its ends, of velocities off that of the
-    accelerations, at most in the steps from `begin` to `end`; of `jumpy` joints (m,) less what a jump of the velocity
-    may make of it."""
-    last = block.of_all - 1
-    steps = np.diff(block.times(begin, end + 1))
-    q, qd, qdd = (block.columns(name, begin, end + 1) for name in ("q", "qd", "qdd"))
-    of_q, of_qd = (
-        np.abs(np.diff(below, axis=1) - 0.5 * steps * (above[:, 1:] + above[:, :-1]))
-        for below, above in ((q, qd), (qd, qdd))
-    )
-    if jumpy.any():
-        before, behind = max(begin - 1, 0), min(end + 1, last)
-        around = block.columns("q", before, behind + 1)[jumpy]
-        mean = np.diff(around, axis=1) / np.diff(block.times(before, behind + 1))
-        # the joint rests before and behind the motion
-        mean = np.pad(mean, ((0, 0), (int(begin == 0), int(end == last))))
-        change = np.abs(np.diff(mean, axis=1))
-        of_q[jumpy] -= steps * (change[:, :-1] + change[:, 1:])
-    return Largest.of(of_q, begin), Largest.of(of_qd, begin)
-
-
-class JerkWindows(NamedTuple):
-    """Of windows of WINDOW steps, how far the column of jerks is off the change of the accelerations, and what explains
-    it; of the joints (k,) whose accelerations do not jump."""
-
-    off: Floats
-    """(k, windows) sum over the steps."""
-    around: Floats
-    """(k, windows) change of the mean jerk in the window and about it."""
-    peak: Floats
-    """(k, windows) largest jerk of the column."""
-    hidden: Floats
-    """(k, windows) what swings within the steps make of it."""
-    rate: Floats
-    """(windows,) sum of 1 / step [1/s]."""
-    steps: Ints
-    """(windows,)"""
-
-    @classmethod
-    def of(cls, block: Block, begin: int, end: int, judged: Ints) -> JerkWindows:
-        """Those of the steps from `begin`, a multiple of WINDOW, to `end`."""
-        last = block.of_all - 1
-        # What changes just before and behind a window may belong to a step in it.
-        before, behind = max(begin - AROUND - 1, 0), min(end + AROUND, last)
-        steps = np.diff(block.times(before, behind + 1))
-        mean = np.diff(block.columns("qdd", before, behind + 1)[judged], axis=1) / steps
-        total = np.cumsum(np.abs(np.diff(mean, axis=1, prepend=mean[:, :1])), axis=1)
-        total = np.concatenate((np.zeros((len(judged), 1)), total), axis=1)
-        steps, mean = steps[begin - before : end - before], mean[:, begin - before : end - before]
-        qd, qdd, qddd = (block.columns(name, begin, end + 1)[judged] for name in ("qd", "qdd", "qddd"))
-        off = np.abs(mean - 0.5 * (qddd[:, 1:] + qddd[:, :-1]))
-        between = np.diff(qd, axis=1) / steps - 0.5 * (qdd[:, 1:] + qdd[:, :-1])
-        sag = np.abs(between) / steps
-        starts = np.arange(0, end - begin, WINDOW)
-        first = np.maximum(starts + begin - AROUND, 0) - before
-        around = total[:, np.minimum(starts + begin + WINDOW + AROUND, last) - before] - total[:, first]
-        peak = np.maximum.reduceat(np.maximum(np.abs(qddd[:, 1:]), np.abs(qddd[:, :-1])), starts, axis=1)
-        swing, more = _hidden(sag, peak, starts)
-        hidden = more + np.add.reduceat(np.maximum(SAG * sag, swing), starts, axis=1)
-        off = np.add.reduceat(off, starts, axis=1)
-        return cls(
-            off, around, peak, hidden, np.add.reduceat(1.0 / steps, starts), np.diff(np.append(starts, end - begin))
-        )
-
-    @classmethod
-    def of_all(cls, parts: Sequence[JerkWindows]) -> JerkWindows:
-        """Those of all blocks."""
-        return cls(*(np.concatenate(each, axis=-1) for each in zip(*parts)))
-
-
 def jerk_columns(seen: SeenMotion, judged: Ints, units: Sequence[str]) -> list[Check]:
     """Whether the accelerations change as the jerks say.
 
@@ -286,17 +195,3 @@ def jerk_columns(seen: SeenMotion, judged: Ints, units: Sequence[str]) -> list[C
             unit, joint = unit_of(units[j], 3), seen.joints[j]
             checks.append(Check("jerk column", value, limit, unit, False, time, block, joint, note))
     return checks
-
-
-def _hidden(sag: Floats, peak: Floats, starts: Ints) -> tuple[Floats, Floats]:
-    """By how much (m, steps) swings of the jerk that are over within a step let it stray from its mean, as expected,
-    and (m, windows) how much more a window may happen to have.
-
-    A jerk of J one way for a time T, and the other way for as long, is a change in velocity of J T^2 that no
-    acceleration shows: the mean acceleration of the step is off by J T^2 / dt, its `sag` by dt. So the swing lasts
-    2 T = 2 dt (sag / J)^(1/2), a set-point meets it in as large a share of the cases, and the column then is off by J:
-    2 (J sag)^(1/2) as expected. How many of n are met has a variance of n at most. J is the `peak` of the window.
-    """
-    steps = np.diff(np.append(starts, sag.shape[1]))
-    swing = 2.0 * np.sqrt(np.repeat(peak, steps, axis=1) * sag)
-    return swing, SPREADS * np.sqrt(peak * np.add.reduceat(swing, starts, axis=1))

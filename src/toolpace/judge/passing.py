@@ -8,24 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import printable
 from toolpace.judge.alignment import Alignment
-from toolpace.judge.motion import TOLERANCE, still_step
+from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
+from toolpace.judge.seen_motion import SeenMotion, still_step
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check
-from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import Block
 from toolpace.programs.toolpath import ToolPath
-
-if TYPE_CHECKING:
-    from toolpace.judge.seen_motion import SeenMotion
 
 HIDDEN = 2
 """Steps of a dwell that sampling may hide: its first and its last."""
@@ -35,8 +31,6 @@ CREEP = 1e-3
 """Share of the first step out of rest that counts as standing still in a dwell."""
 SAME = 1e-9
 """Share of the duration to which sums agree."""
-ROUNDING = 1e-9
-"""More than the positions of any machine are rounded by [m or rad]."""
 
 
 @dataclass(frozen=True)
@@ -150,22 +144,6 @@ class Passing:
         t = self.seen.t
         k = min(int(np.searchsorted(t, time, side="right")) - 1, len(t) - 2)
         return k + min((time - float(t[k])) / float(t[k + 1] - t[k]), 1.0)
-
-
-class StillSteps(NamedTuple):
-    """Steps of a motion that may be of standing still."""
-
-    step: Ints
-    """(k,)"""
-    moved: Floats
-    """(k, m) by how much each joint moves [m or rad]."""
-
-    @classmethod
-    def of(cls, block: Block, begin: int, end: int, limits: Limits, dt: float) -> StillSteps:
-        """Those from step `begin` to `end`: more than one out of rest, and more than rounding, is none of them."""
-        moved = np.abs(np.diff(block.near.q[begin - block.first : end + 1 - block.first], axis=0))
-        few = np.flatnonzero((moved <= 2.0 * still_step(limits, dt) + ROUNDING).all(axis=1))
-        return cls(begin + few, moved[few])
 
 
 def still_runs(seen: SeenMotion, machine: Machine, dt: float, share: float) -> Ints:

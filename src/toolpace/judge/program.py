@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passages, Passing
 from toolpace.judge.rows import MotionRow, Stretch, joined, motion_row, program_line
+from toolpace.judge.seen_motion import SeenMotion
 from toolpace.judge.tool import forward_kinematics
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
@@ -21,9 +21,6 @@ from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
-
-if TYPE_CHECKING:
-    from toolpace.judge.seen_motion import SeenMotion
 
 GRACE = 1e-3
 """Share of a tolerance granted for the chords of arcs and rotations, on both sides, and for rounding."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.judge.largest import each_block
+from toolpace.judge.seen_motion import each_block
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import Block, SetPoints

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.judge.largest import Largest, each_block
+from toolpace.judge.seen_motion import SeenMotion, each_block, ways
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import Block, SetPoints
+from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.toolpath import ToolPath
-
-if TYPE_CHECKING:
-    from toolpace.judge.seen_motion import SeenMotion
 
 AGREEMENT = 1e-8
 """How far the columns of tip and axis may be from forward kinematics [m or rad]."""
@@ -43,52 +39,6 @@ def forward_kinematics(points: SetPoints, machine: Machine) -> tuple[Floats, Flo
     lengths = len(points.tool_length)
     each_block(of_block, len(points))
     return tip, axis
-
-
-class BlockTool(NamedTuple):
-    """What forward kinematics make of one block."""
-
-    highest: Largest
-    """Position of each joint."""
-    lowest: Largest
-    """The same with the other sign."""
-    off: Largest
-    """How far the columns of tip and axis are off; of no columns where there are none."""
-    length_off: Largest
-    """How far lengths of tools are off those of the program; of no columns where none are named."""
-    farthest: float
-    """Largest coordinate of the tip without sign [m]."""
-    lengths: Floats
-    """(steps,) how far the tip goes in each step [m]; see `ways`."""
-
-    @classmethod
-    def of(
-        cls, block: Block, begin: int, end: int, tip: Floats, axis: Floats, first: int, tool_lengths: Floats
-    ) -> BlockTool:
-        """That of some rows, with tips and axes (k, 3) by the joints from row `first` on, and the lengths of the
-        program's tools (l,)."""
-        rows, mine = slice(begin - block.first, end - block.first), slice(begin - first, end - first)
-        near, q = block.near, block.columns("q", begin, end)
-        pairs = ((near.tip, tip), (near.axis, axis)) if near.has_tool else ()
-        off = [np.sqrt(((told[rows] - true[mine]) ** 2).sum(axis=1)) for told, true in pairs]
-        named = near.tool_length[rows]
-        length_off = [np.abs(named[:, None] - tool_lengths).min(axis=1)] if len(named) and len(tool_lengths) else []
-        lengths = near.tool_length[first - block.first :] if len(named) else named
-        step = ways(lengths, tip, axis, mine.start, min(mine.stop, block.of_all - 1 - first))
-        return cls(
-            Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), q.shape[1])), begin),
-            Largest.of(np.reshape(length_off, (len(length_off), q.shape[1])), begin),
-            max(float(tip[mine].max()), -float(tip[mine].min())), np.sqrt((step**2).sum(axis=1)),
-        )  # fmt: skip
-
-    @classmethod
-    def of_all(cls, parts: Sequence[BlockTool]) -> BlockTool:
-        """That of a whole motion, from those of its blocks."""
-        highest, lowest, off, length_off, farthest, lengths = zip(*parts)
-        return cls(
-            Largest.of_all(highest), Largest.of_all(lowest), Largest.of_all(off), Largest.of_all(length_off),
-            max(farthest), np.concatenate(lengths),
-        )  # fmt: skip
 
 
 def tool_checks(seen: SeenMotion, machine: Machine) -> list[Check]:
@@ -145,16 +95,6 @@ def tool_table(sheet: str) -> dict[str, float]:
 def _plain(name: str) -> str:
     """A tool's number without leading zeros, or its name."""
     return name.lstrip("0") or "0" if name.strip().isdigit() else " ".join(name.split())
-
-
-def ways(tool_length: Floats, tip: Floats, axis: Floats, begin: int, end: int) -> Floats:
-    """(k, 3) how the tip at (n, 3) goes in the steps from `begin` to `end`, with the tool in the spindle at
-    their begin: where another one, of another of the lengths (n,), takes its place the tip is elsewhere, and did not go
-    there."""
-    step = np.diff(tip[begin : end + 1], axis=0)
-    if len(tool_length):
-        step += np.diff(tool_length[begin : end + 1])[:, None] * axis[begin + 1 : end + 1]
-    return step
 
 
 def way_lengths(points: SetPoints, tip: Floats, axis: Floats) -> Floats:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -24,12 +24,26 @@ from toolpace.motion.joints import Motion
 from toolpace.motion.setpoints import ROWS, SetPoints, refuse_too_many
 
 if TYPE_CHECKING:
-    from toolpace.motion.trajectory import Trajectory
+    from toolpace.path.axis_path import AxisPath
 
 SHARE = 1e-5
 """Of a jerk limit by which rounding may show: a tenth of what the judge grants."""
 COARSEST = 2.0**-42
 """Grid of positions that is never exceeded [m or rad]."""
+
+
+class MotionOverTime(Protocol):
+    """What is sampled, as a Trajectory is."""
+
+    @property
+    def axis_path(self) -> AxisPath: ...
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def joints(self) -> tuple[str, ...]: ...
+    def put_motion(self, t: Floats, motion: Motion, block: Ints) -> Ints: ...
 
 
 class Sampling:
@@ -39,7 +53,7 @@ class Sampling:
     them. Raises UsageError for a time step that is none.
     """
 
-    def __init__(self, trajectory: Trajectory, dt: float, *, on_grid: bool) -> None:
+    def __init__(self, trajectory: MotionOverTime, dt: float, *, on_grid: bool) -> None:
         self.dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
         self.trajectory, self.joints = trajectory, trajectory.joints
         self.machine, lengths = trajectory.axis_path.machine, trajectory.axis_path.tool_lengths
