@@ -288,8 +288,8 @@ def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath:
     from toolpace.common.errors import ReachError
     from toolpace.judge import motion_judge
     from toolpace.motion.files.set_point_files import form_of
-    from toolpace.motion.sampling import Sampling
-    from toolpace.motion.setpoints import each_block, in_memory
+    from toolpace.motion.sampling import Sampling, each_block
+    from toolpace.motion.setpoints import in_memory
     from toolpace.programs.reading.setup_file import setup_text
     from toolpace.results import write
 

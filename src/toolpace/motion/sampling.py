@@ -12,6 +12,7 @@ limit; and no position is off by more than 2^-43 m or rad, 1.2e-13: far below an
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
@@ -21,7 +22,7 @@ from toolpace.common.arrays import Floats, Ints, number
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion.joints import Motion
-from toolpace.motion.setpoints import ROWS, SetPoints, refuse_too_many
+from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource, refuse_too_many
 
 if TYPE_CHECKING:
     from toolpace.path.axis_path import AxisPath
@@ -116,6 +117,17 @@ class Sampling:
             columns["tool_length"][:] = lengths
         if self.machine is not None:
             columns["tip"][:], columns["axis"][:] = self.machine.forward(motion.q, lengths)
+
+
+def each_block(source: SetPointSource, takers: Sequence[Callable[[Block], None]]) -> None:
+    """Give each block of a source to all takers, on all cores."""
+
+    def give(begin: int) -> None:
+        block = Block.of(source, begin, min(begin + ROWS, len(source)))
+        for take in takers:
+            take(block)
+
+    Workers().each(give, range(0, len(source), ROWS))
 
 
 def grids(limits: Limits, dt: float) -> Floats:

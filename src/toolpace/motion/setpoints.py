@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import zipfile
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +16,6 @@ from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import free_memory, reason, whole_file
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import ByValue, named, one_line
-from toolpace.common.workers import Workers
 
 OPTIONAL = "tool_length"
 """The one column that a file may lack."""
@@ -105,17 +103,6 @@ class Block:
 def in_memory(source: SetPointSource) -> SetPoints:
     """All set-points of a source at once."""
     return source if isinstance(source, SetPoints) else source.rows(0, len(source))
-
-
-def each_block(source: SetPointSource, takers: Sequence[Callable[[Block], None]]) -> None:
-    """Give each block of a source to all takers, on all cores."""
-
-    def give(begin: int) -> None:
-        block = Block.of(source, begin, min(begin + ROWS, len(source)))
-        for take in takers:
-            take(block)
-
-    Workers().each(give, range(0, len(source), ROWS))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

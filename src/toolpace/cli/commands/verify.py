@@ -22,8 +22,8 @@ from toolpace.judge.table import with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
-from toolpace.motion.sampling import Sampling, grids
-from toolpace.motion.setpoints import Block, SetPoints, each_block
+from toolpace.motion.sampling import Sampling, each_block, grids
+from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.follow_run import FollowRun

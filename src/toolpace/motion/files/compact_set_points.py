@@ -26,7 +26,8 @@ from toolpace.common.files.atomic import read_binary
 from toolpace.common.workers import Workers
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.set_point_prediction import KINDS, jets_of, residuals
-from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource, each_block
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion.setpoints import Block, SetPoints, SetPointSource, each_block
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.toolpath import ToolPath
 

@@ -25,7 +25,8 @@ from toolpace.motion.files.set_point_files import (
     set_points_file,
 )
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
-from toolpace.motion.setpoints import SetPointSource, each_block, in_memory
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan

@@ -16,7 +16,8 @@ from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.operation_times import operation_times
-from toolpace.motion.setpoints import Block, SetPointSource, each_block
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import Block, SetPointSource
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
