@@ -128,6 +128,8 @@ class Modes:
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
         unit = self.state.unit
+        if self.rs274 and "R" in numbers and numbers.keys().isdisjoint("XYZABCUVWIJK"):
+            self._smooth(numbers.pop("R"))
         tolerance = self._taken(numbers, "P", self.state.arc_here or self._drills())
         cam_tolerance = self._taken(numbers, "Q", self._drills())
         self.control.moves.join(
@@ -142,6 +144,11 @@ class Modes:
         if tolerance is not None or cam_tolerance is not None:
             # noted, and obeyed where that is asked for
             self.control.findings.ignored(f"{word} P")
+
+    def _smooth(self, share: float) -> None:
+        """R of G64: the planner without limit of jerk, or that with one and its share of speeds at corners."""
+        self.control.findings.assumed("R of G64 is a word of LinuxCNC 2.10, at which 2.9 stops")
+        self.control.moves.drive(smooth=min(max(share, 0.1), 1.0) if share > 0.0 else 0.0)
 
     def _drills(self) -> bool:
         return self.rs274 and self.state.drills_here
