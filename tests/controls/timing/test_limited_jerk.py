@@ -111,3 +111,13 @@ def test_a_thousand_short_blocks_never_lose_their_order():
     times = linuxcnc_times(moves_of(blocks), machine(), LIMITED)
     assert np.isfinite(times).all() and (times >= 0.0).all()
     assert times.sum() > linuxcnc_times(moves_of(blocks), machine()).sum()
+
+
+@pytest.mark.parametrize("planner", [0, 1])
+def test_blocks_that_come_back_to_where_they_began_take_no_time(planner: int):
+    """A circle that is flatter than the tolerance is two lines; but for rounding these are joined to none."""
+    settings, circle = LinuxCNC(planner=planner), "G2 X0.00055 Y0.01507 I0.00379 F700\n"
+    blocks = f"G1 X0.00055 Y0.01507 F600\n{circle}G1 X4 Y5 F900\n"
+    times = linuxcnc_times(moves_of(blocks), machine(), settings)
+    without = linuxcnc_times(moves_of(blocks.replace(circle, "")), machine(), settings)
+    assert times.sum() == pytest.approx(without.sum(), abs=2e-3)

@@ -71,7 +71,7 @@ class Canon:
         return np.asarray(np.maximum(spent, 0.0))
 
     def _blocks(self) -> Blocks:
-        from toolpace.kernels.linuxcnc.blocks import ARC, LINE, Blocks
+        from toolpace.kernels.linuxcnc.blocks import ARC, LINE, OF_WAIT, Blocks
 
         rows, last = self.rows, self.ends
         first = np.concatenate([[0], last[:-1]]) + 1
@@ -99,7 +99,14 @@ class Canon:
         begin, end = (np.where(arc[:, None], each[last], straight) for each in (rows.begin, rows.end))
         corner = rows.place[last, :3] - xyz
         vectors = np.stack([begin, end, corner, rows.centre[last], rows.normal[last], rows.rise()[last]], axis=1)
-        return Blocks(figures, np.ascontiguousarray(vectors))
+        # what is joined to no way at all is left out, as the planner does; its wait stays with the block before it
+        waits = figures[:, OF_WAIT]
+        moving = (size > 0.0) | ((np.arange(len(size)) == 0) & (waits >= 0.0))
+        at = np.maximum.accumulate(np.where(moving, np.arange(len(size)), 0))
+        for still in np.flatnonzero(~moving & (waits >= 0.0)):
+            waits[at[still]] = max(waits[at[still]], 0.0) + waits[still]
+        self.ends = last[moving]
+        return Blocks(figures[moving], np.ascontiguousarray(vectors[moving]))
 
     def _bend(self, rows: _Rows, last: Ints, arc: Bools, least: Floats, slowest: Floats, sharpest: Floats) -> None:
         """Arcs take the least limit of their plane's axes, everywhere."""
