@@ -8,16 +8,18 @@ Runs of its master of 22 August 2026 (commit 5c41560e) without a display, logged
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toolpace import Limits, Machine
+from toolpace.common.errors import ProgramError
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.linuxcnc import LinuxCNC, linuxcnc_times
 from toolpace.controls.timing.program_time import time_of_moves
 from toolpace.programs.commanded import Commanded
-from toolpace.programs.reading import Source, read_commanded
+from toolpace.programs.reading import ReadOptions, Source, read_commanded
 
 LIMITS = {
     "X": (500, 4000, 4e4), "Y": (500, 4000, 4e4), "Z": (500, 3000, 3e4), "B": (120, 400, 4e3), "C": (180, 600, 6e3),
@@ -65,8 +67,9 @@ def machine() -> Machine:
     return own.with_limits(Limits(velocity, acceleration, jerk, own.joints))
 
 
-def moves_of(blocks: str, head: str = HEAD) -> Commanded:
-    return read_commanded(Source.from_text(f"{head}{blocks}M2\n", "part.ngc"), machine())
+def moves_of(blocks: str, head: str = HEAD, controller: Path | None = None) -> Commanded:
+    source = Source.from_text(f"{head}{blocks}M2\n", "part.ngc")
+    return read_commanded(source, machine(), options=ReadOptions.of(machine(), controller, None))
 
 
 @pytest.mark.parametrize(("blocks", "seconds", "off"), LOGGED)
@@ -91,17 +94,22 @@ def test_a_lower_share_of_speeds_at_corners_is_never_faster():
     assert times[0] == pytest.approx(times[1], abs=1e-9)
 
 
-def test_the_program_or_the_figures_choose_the_planner():
+def test_the_program_or_the_figures_choose_the_planner(tmp_path: Path):
+    newer = tmp_path / "newer.toml"
+    newer.write_text('name = "newer"\nnote = "2.10"\nlike = "linuxcnc"\n[options]\nplanner_by_r = true\n')
+
     def total(head: str, **own: float) -> float:
         figures = figures_of({"linuxcnc": {"path_velocity": 500.0, "path_jerk": 4e4, **own}}, "", "linuxcnc")
-        return time_of_moves(moves_of("G1 X40 F6000\nX40 Y40\n", head), machine(), figures).total
+        return time_of_moves(moves_of("G1 X40 F6000\nX40 Y40\n", head, newer), machine(), figures).total
 
     plain, limited = total(HEAD), total(HEAD, planner=1)
     assert plain < limited - 0.1
     assert total(HEAD.replace("Q0.01", "Q0.01 R1")) == pytest.approx(limited, abs=1e-12)
     assert total(HEAD.replace("Q0.01", "Q0.01 R0"), planner=1) == pytest.approx(plain, abs=1e-12)
-    assert moves_of("G1 X1 F60\n", HEAD.replace("Q0.01", "R5")).dynamics[-1, 3] == 1.0
-    assert moves_of("G1 X1 F60\n", HEAD.replace("Q0.01", "R0.01")).dynamics[-1, 3] == 0.1
+    for word, share in (("R5", 1.0), ("R0.01", 0.1), ("R-1", 0.0)):
+        assert moves_of("G1 X1 F60\n", HEAD.replace("Q0.01", word), newer).dynamics[-1, 3] == share
+    with pytest.raises(ProgramError, match="R without a word that uses it"):
+        moves_of("G1 X1 F60\n", HEAD.replace("Q0.01", "R1"))
 
 
 def test_a_thousand_short_blocks_never_lose_their_order():

@@ -41,6 +41,7 @@ class Modes:
         self.control, self.state, self.holes = control, state, holes
         self.cycles_apart = by.option("cycles_are_a_group", False)
         self.rs274 = by.option("rs274_checks", False)
+        self.planner_by_r = by.option("planner_by_r", False)
         self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
         self.dwell_point: float = by.option("dwell_point_s", 1.0)
         self.fanuc = by.option("fanuc_checks", False)
@@ -145,7 +146,7 @@ class Modes:
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
         unit = self.state.unit
-        if self.rs274 and "R" in numbers and numbers.keys().isdisjoint("XYZABCUVWIJK"):
+        if self.planner_by_r and "R" in numbers and numbers.keys().isdisjoint("XYZABCUVWIJK"):
             self._smooth(numbers.pop("R"))
         tolerance = self._taken(numbers, "P", self.state.arc_here or self._drills())
         cam_tolerance = self._taken(numbers, "Q", self._drills())
@@ -164,7 +165,6 @@ class Modes:
 
     def _smooth(self, share: float) -> None:
         """R of G64: the planner without limit of jerk, or that with one and its share of speeds at corners."""
-        self.control.findings.assumed("R of G64 is a word of LinuxCNC 2.10, at which 2.9 stops")
         self.control.moves.drive(smooth=min(max(share, 0.1), 1.0) if share > 0.0 else 0.0)
 
     def _drills(self) -> bool:

@@ -66,7 +66,7 @@ USERS: dict[str, tuple[str, ...]] = {
         *("M19", "M50", "M51", "M52", "M53", "M62", "M63", "M64", "M65", "M66", "M98"),
     ),
     "Q": ("G5", "G10", "G64", "G73", "G76", "G83", "M19", "M61", "M66", "M67", "M68"),
-    "R": (*_ARCS, *_CYCLES, "G76", "G10", "G41.1", "G42.1", "G64", "M19"),
+    "R": (*_ARCS, *_CYCLES, "G76", "G10", "G41.1", "G42.1", "M19"),
 }
 """Words that use a letter, in a block or as the motion in force."""
 NEEDED = {"M62": "P", "M63": "P", "M64": "P", "M65": "P", "M67": "E", "M68": "E", "G96": "S"}
