@@ -106,7 +106,8 @@ def test_limits_that_the_control_exceeds_are_named_with_place_and_size(tmp_path,
         name = "XY"[axis]
         assert worst["acceleration", name]["ratio"] == pytest.approx(change / 1e-3 / limits.acceleration[axis])
         assert worst["jerk", name]["ratio"] == pytest.approx(4.0 * change / 1e-6 / limits.jerk[axis])
-        assert worst["jerk", name]["corners"] == 2 and worst["jerk", name]["line"] in (3, 4)
+        jerk = worst["jerk", name]
+        assert jerk["where"] == "corner" and jerk["count"] == 2 and jerk["line"] in (3, 4)
     assert "times its limit in 2 corners, worst at line" in " ".join(printed(capsys, *part).split())
     part[part.index("fanuc")] = "lookahead"
     assert json.loads(printed(capsys, *part, "--json"))[0]["exceeded"] == []

@@ -215,7 +215,8 @@ def time_command(
     from toolpace.cli.commands import time
     from toolpace.jobs.timed import TimeRequest
 
-    within = arguments.tolerances(tolerances)
+    tip, axis = arguments.tolerances(tolerances)
+    usual = options.TOLERANCES_OF_PROGRAM
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     request = TimeRequest(
         machine=on,
@@ -223,7 +224,10 @@ def time_command(
         model=arguments.control_model(model),
         feed=arguments.feed_option(feed),
         dialect=dialect,
-        tolerances=within,
+        tolerances=(
+            None if (tolerances.tip_tolerance, tolerances.side) == (usual.tip_tolerance, usual.side) else tip,
+            None if tolerances.axis_tolerance == usual.axis_tolerance else axis,
+        ),
         optimum=not no_optimum,
     )
     if fit is not None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
+from toolpace.controls.timing.axis_motion import axis_ways
 from toolpace.controls.timing.blocks import MotionProfile, rests, room_of
 from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
 from toolpace.controls.timing.fanuc import fanuc_profile
@@ -19,6 +20,7 @@ from toolpace.controls.timing.heidenhain import heidenhain_profile
 from toolpace.controls.timing.linuxcnc import linuxcnc_times
 from toolpace.controls.timing.lookahead import lookahead_profile
 from toolpace.controls.timing.sinumerik import sinumerik_profile
+from toolpace.controls.timing.uncertainty import TimeRange, time_range
 from toolpace.programs.commanded import BLENDED, Commanded
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
 from toolpace.programs.reading.coordinates.setup import SetUp
@@ -40,8 +42,10 @@ STILL = 1e-12
 def _linuxcnc_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
     """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
     rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    times = linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
-    return MotionProfile(times, np.full(len(times), np.nan))
+    limits = limits_of(machine, figures)
+    times = linuxcnc_times(rounded, machine.with_limits(limits))
+    acceleration = axis_ways(moves, machine, joints=False).along(limits.acceleration)
+    return MotionProfile(times, np.full(len(times), np.nan), acceleration, np.full(len(times), np.inf))
 
 
 MODELS: dict[str, Model] = {
@@ -82,7 +86,9 @@ class ProgramTime:
     times: Floats
     """(n,) of each move, with its dwell [s]; empty where moves are not told apart."""
     exceeded: tuple[ExceededLimit, ...] = ()
-    """Limits of axes that the control exceeds at corners, by the rules of its maker."""
+    """Limits of the machine's joints that the control exceeds, by the rules of its maker."""
+    range: TimeRange | None = None
+    """Between which times the total is, by the uncertainty of the control's figures; None where that is not told."""
 
     @property
     def total(self) -> float:
@@ -104,6 +110,18 @@ def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, t
     profile = MODELS[figures.model](moves, machine, figures)
     exceeded = exceeded_limits(moves, machine, figures, profile)
     return ProgramTime(tuple(parts_of(moves, profile.times, tool_change)), profile.times + moves.dwell, exceeded)
+
+
+def with_range(time: ProgramTime, moves: Commanded, machine: Machine, figures: ControlFigures) -> ProgramTime:
+    """The time with its range: the moves are timed again with each uncertain figure at both ends."""
+    waits = time.sum("dwell") + time.sum("tool_change")
+    if len(moves) < 2:
+        return replace(time, range=TimeRange(waits, waits))
+
+    def total(changed: ControlFigures) -> float:
+        return float(MODELS[changed.model](moves, machine, changed).times.sum()) + waits
+
+    return replace(time, range=time_range(total, machine, figures, time.total))
 
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
@@ -176,7 +194,8 @@ def program_time(
     if figures.model == "ideal":
         raise UsageError("the model ideal is the fastest motion: its time is plan(path, machine).duration")
     moves = moves_of(source, machine, options, feed, dialect)
-    return time_of_moves(moves, machine, figures, options.setup.tool_change)
+    time = time_of_moves(moves, machine, figures, options.setup.tool_change)
+    return with_range(time, moves, machine, figures)
 
 
 def figures_for(options: ReadOptions, model: str | None) -> ControlFigures:

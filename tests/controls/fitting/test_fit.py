@@ -12,8 +12,9 @@ from tests.support.timed_programs import machine
 from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
+from toolpace.controls.fitting.fit import fit_log
+from toolpace.controls.fitting.motion_log import MotionLog, load_log, sustained_accelerations, trimmed
 from toolpace.controls.timing.figures import figures_of
-from toolpace.controls.timing.identify import MotionLog, identify, load_log, sustained_accelerations, trimmed
 from toolpace.controls.timing.program_time import time_of_moves
 from toolpace.programs.reading import Source, read_commanded
 
@@ -22,21 +23,21 @@ MACHINE = machine()
 
 
 def test_accelerations_that_are_kept_up_are_found():
-    found = sustained_accelerations(log_of())
+    found, _ = sustained_accelerations(log_of())
     assert found[:3] == pytest.approx([REAL[axis] for axis in "XYZ"], rel=1e-3)
     assert np.isnan(found[3:]).all()  # axes that stand tell nothing
 
 
 def test_noise_of_an_encoder_is_not_taken_for_acceleration():
-    found = sustained_accelerations(log_of(noise=0.1e-6))
+    found, _ = sustained_accelerations(log_of(noise=0.1e-6))
     assert found[:3] == pytest.approx([REAL[axis] for axis in "XYZ"], rel=0.1)
 
 
 def test_the_model_then_takes_the_time_of_the_log_and_of_another_program():
     moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
     wrong = machine(acceleration=3.0, jerk=1e6)
-    found = identify(moves, wrong, log_of(), figures_of({}, "", "lookahead"))
-    assert found.modelled == pytest.approx(found.logged, rel=0.004)
+    found = fit_log(moves, wrong, log_of(), figures_of({}, "", "lookahead"))
+    assert found.modelled == pytest.approx(found.measured, rel=0.004)
     assert found.misfit < 4e-3
     acceleration = found.figures.acceleration
     assert isinstance(acceleration, dict)
@@ -104,7 +105,7 @@ def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
     unsaid = [
         read_commanded(Source.from_text(text.replace("G64 P0.03", "G64"), "part.ngc"), told) for text in (logged, asked)
     ]
-    found = identify(unsaid[0], told, trimmed(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
+    found = fit_log(unsaid[0], told, trimmed(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
     assert found.figures.tolerance == pytest.approx(0.03, rel=0.02)
     assert isinstance(found.figures.acceleration, dict)
     assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)
@@ -115,5 +116,5 @@ def test_the_log_of_another_program_is_refused():
     q = np.zeros((400, 5))
     q[:, 2] = np.linspace(0.0, 40.0, 400)
     moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
-    with pytest.raises(UsageError, match="not the log of this program"):
-        identify(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))
+    with pytest.raises(UsageError, match="not measured of this program"):
+        fit_log(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))
