@@ -26,7 +26,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.controls.fitting.motion_log import MotionLog, is_log, load_log, progress, sustained_accelerations
 from toolpace.controls.fitting.written_times import WrittenTime, load_written_times, written_time
 from toolpace.controls.timing.figures import ControlFigures, Spread
-from toolpace.controls.timing.program_time import MODELS, parts_of
+from toolpace.controls.timing.program_time import MODELS, PartTime, parts_of
 from toolpace.controls.timing.uncertainty import UncertainFigure, limits_by_axis, uncertain_figures, value_of
 from toolpace.programs.commanded import Commanded
 
@@ -55,7 +55,7 @@ KEPT = 0.002
 """Deviation of the logarithm of an acceleration that a log shows to be kept for a while, beside its noise."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
-ONE_SIDED = 0.2
+ONE_SIDED = 0.5
 """Share of the effect of a lower acceleration that a higher one has at most where another axis always limits."""
 LOG_JITTER = 0.05
 """Deviation of a time that a log tells, over the time between rows, at least."""
@@ -63,7 +63,7 @@ ROUNDED = 5e-4
 """Least uncertainty that is stated, as a share: figures are written with five digits."""
 WORST = 0.5
 """Misfit over the duration from which a measurement is none of the program."""
-ITERATIONS = 12
+ITERATIONS = 8
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def fit_times(
     _refuse_still(moves)
     parts = parts_of(moves, np.zeros(len(moves)), tool_change)
     waits = np.array([part.time for part in parts])
-    rows = [_rows(each.operation, [part.name for part in parts], written[:k]) for k, each in enumerate(written)]
+    rows = [_rows(each.operation, parts, written[:k]) for k, each in enumerate(written)]
     chosen = np.array(rows, dtype=float)
 
     def of_moves(times: Floats) -> Floats:
@@ -186,16 +186,25 @@ def _refuse_still(moves: Commanded) -> None:
         raise UsageError(f"{moves.source}: nothing moves in the program: no figure of a control follows from it")
 
 
-def _rows(operation: str, names: Sequence[str], before: Sequence[WrittenTime]) -> list[bool]:
-    """Which parts of the program a written time is of; of operations with one name each in its turn."""
+def _rows(operation: str, parts: Sequence[PartTime], before: Sequence[WrittenTime]) -> list[bool]:
+    """Which parts of the program a written time is of; of operations with one name each in its turn.
+
+    What is no operation may be a tool, with all that it does: T3.
+    """
     if not operation:
-        return [True] * len(names)
-    alike = [k for k, name in enumerate(names) if name.strip().lower() == operation.lower()]
-    turn = sum(each.operation.lower() == operation.lower() for each in before)
+        return [True] * len(parts)
+    word = operation.lower()
+    alike = [k for k, part in enumerate(parts) if part.name.strip().lower() == word]
+    if not alike:
+        of_tool = [f"t{part.tool.lower()}" == word or (part.tool != "" and part.tool.lower() == word) for part in parts]
+        if any(of_tool):
+            return of_tool
+    turn = sum(each.operation.lower() == word for each in before)
     if turn >= len(alike):
-        hint = did_you_mean(operation, list(dict.fromkeys(names))) if not alike else f"it is there {len(alike)} times"
+        names = [*dict.fromkeys(part.name or f"T{part.tool}" for part in parts)]
+        hint = did_you_mean(operation, names) if not alike else f"it is there {len(alike)} times"
         raise UsageError(f"--fit: the program has no operation '{printable(operation[:60])}' left; {printable(hint)}")
-    return [k == alike[turn] for k in range(len(names))]
+    return [k == alike[turn] for k in range(len(parts))]
 
 
 def _parameters(figures: ControlFigures, machine: Machine, free: Sequence[str]) -> list[_Parameter]:
@@ -262,7 +271,23 @@ class _Fitting:
 
         within = NORMAL if scale == 1.0 else float(stdtrit(free, 0.975))
         kept = np.sqrt(np.diag(covariance))
-        return self._fit(x, {k: within * float(kept[k]) for k in range(len(x)) if kept[k] < NEWS})
+        halves = {k: within * float(kept[k]) for k in range(len(x)) if kept[k] < NEWS}
+        ends = {k: self._ends(x, k, half, scale) for k, half in halves.items()}
+        before = (-NORMAL, NORMAL)
+        return self._fit(x, {k: each for k, each in ends.items() if each != before})
+
+    def _ends(self, x: Floats, k: int, half: float, scale: float) -> tuple[float, float]:
+        """Of a figure, in deviations: where the times do not exclude what was possible before, that still is."""
+
+        def misfit(value: float) -> float:
+            changed = x.copy()
+            changed[k] = value
+            off = (self.times(changed) - self.measured.times) / (scale * self.measured.deviation)
+            return float(off @ off)
+
+        least = misfit(float(x[k]))
+        below, above = (misfit(value) - least > NORMAL**2 for value in (-NORMAL, NORMAL))
+        return (float(x[k]) - half if below else -NORMAL), (float(x[k]) + half if above else NORMAL)
 
     def of_one_time(self) -> Fit:
         """The one figure that matters most, so that the model takes the measured time."""
@@ -289,7 +314,8 @@ class _Fitting:
         slopes = self.slopes(x)[0]
         others = float(np.sum(slopes**2) - slopes[k] ** 2)
         deviation = math.sqrt(others + float(self.measured.deviation[0]) ** 2) / abs(slopes[k])
-        return self._fit(x, {k: NORMAL * deviation})
+        half = NORMAL * deviation
+        return self._fit(x, {k: (float(x[k]) - half, float(x[k]) + half)})
 
     def _begin(self, first: str) -> Floats:
         x = np.zeros(len(self.parameters))
@@ -319,8 +345,8 @@ class _Fitting:
         )
         return np.asarray(found.x)
 
-    def _fit(self, x: Floats, halves: dict[int, float]) -> Fit:
-        """With the figures of which the measurement tells, and half the width of their intervals, in deviations."""
+    def _fit(self, x: Floats, ends_of: dict[int, tuple[float, float]]) -> Fit:
+        """With the figures of which the measurement tells, and the ends between which they lie, in deviations."""
         times = self.times(x)
         off = times - self.measured.times
         whole = float(self.measured.times.sum())
@@ -332,14 +358,15 @@ class _Fitting:
             )
         figures, fitted = self.figures(x), []
         uncertainty: dict[str, Spread | dict[str, Spread]] = dict(self.start.uncertainty)
-        for k, half in halves.items():
+        for k, (low, high) in ends_of.items():
             each = self.parameters[k].figure
-            factor = math.exp(min(max(half * self.deviations[k], ROUNDED), math.log(ANYTHING)))
             value = value_of(figures, self.machine, each)
-            ends = [value / factor, max(value * factor, self._upper_end(x, k))]
+            down, up = (max(abs(end - x[k]) * self.deviations[k], ROUNDED) for end in (low, high))
+            ends = [value * math.exp(-down), max(value * math.exp(up), self._upper_end(x, k))]
             fitted.append(FittedFigure(str(each), value, *ends))
-            spread = [float(f"{end:.5g}") for end in ends] if ends[1] > value * factor else float(f"{factor:.5g}")
-            _state(uncertainty, each, spread)
+            factors = [value / ends[0], ends[1] / value]
+            even = abs(math.log(factors[1] / factors[0])) < ROUNDED
+            _state(uncertainty, each, _rounded(max(factors)) if even else [_rounded(end) for end in ends])
         figures = msgspec.structs.replace(figures, uncertainty=uncertainty)
         return Fit(figures, tuple(fitted), whole, float(times.sum()), misfit)
 
@@ -353,6 +380,10 @@ class _Fitting:
         here = self.times(x)
         more, less = (float(np.abs(self.times(x + way * step) - here).sum()) for way in (1.0, -1.0))
         return self.before[figure.axis] * figure.factors[1] if more <= ONE_SIDED * less else 0.0
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.5g}")
 
 
 def _state(uncertainty: dict[str, Spread | dict[str, Spread]], figure: UncertainFigure, spread: Spread) -> None:

@@ -21,8 +21,8 @@ from toolpace.common.files import reason
 
 TOTAL = ("", "total", "all", "program", "sum")
 """Names of the whole program."""
-HEADINGS = ("time", "times", "duration")
-"""Last words of a first line that names the columns."""
+LONGEST = 1e7
+"""[s]: a longer time is a slip."""
 HOUR, MINUTE = 3600.0, 60.0
 _FIGURE = r"\d+(?:[.,]\d+)?"
 _CLOCK = re.compile(r"(?:(?P<h>\d+):)?(?P<min>\d+):(?P<s>\d\d(?:[.,]\d+)?)")
@@ -66,7 +66,7 @@ def written_time(text: str, operation: str = "") -> WrittenTime | None:
             figure = figure.replace(",", ".")
             seconds += float(figure) * unit
             resolution = unit * 10.0 ** -len(figure.partition(".")[2])
-    return WrittenTime(operation, seconds, resolution) if 0.0 < seconds < math.inf else None
+    return WrittenTime(operation, seconds, resolution) if 0.0 < seconds < LONGEST else None
 
 
 def load_written_times(path: str | Path) -> list[WrittenTime]:
@@ -80,8 +80,8 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
     found: list[WrittenTime] = []
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].strip()
-        if not words or (not found and words.lower().split(",")[-1].split(";")[-1].split()[-1:] == ["time"]):
-            continue
+        if not words or (not found and not any(map(str.isdigit, words))):
+            continue  # of a heading, too
         at_end = _TIME_AT_END.search(words)
         time = None if at_end is None else written_time(at_end["time"])
         if at_end is None or time is None:

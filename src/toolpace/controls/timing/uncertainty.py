@@ -2,6 +2,7 @@
 
 for each uncertain figure: the time with it at either end of its uncertainty, all others as they are
 least, most <- the time with every figure at its faster end at once, and with every one at its slower end
+               then each turned over once, where that is faster or slower with all others where they are now
 
 So a control whose figures all lie within their uncertainties takes a time within the range, as far as time rises or
 falls evenly with each figure. Nothing is taken for independent. The rules of the model count as right.
@@ -23,6 +24,7 @@ from toolpace.controls.timing.figures import ControlFigures, Spread, limits_of
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
+Ends = tuple[float, float]
 LIMITS = ("acceleration", "jerk")
 """Figures that differ by axis."""
 LEAST_TOLERANCE = 1e-4
@@ -54,7 +56,7 @@ class UncertainFigure:
     """As in the controller's file: `jerk`, `fanuc.corner_difference`."""
     axis: str
     """Of a limit of one axis; empty of a figure that holds for all."""
-    factors: tuple[float, float]
+    factors: Ends
     """Both ends over the figure; of one that is zero both ends themselves."""
 
     def at(self, end: float, figures: ControlFigures, machine: Machine) -> ControlFigures:
@@ -108,23 +110,29 @@ def time_range(
 ) -> TimeRange:
     """The range of the time that `total` [s] tells for figures; it tells `middle` for these. Raises UsageError."""
 
-    def effect(figure: UncertainFigure) -> tuple[FigureEffect, float, float]:
-        """And the end with which the control is faster, and that with which it is slower."""
+    def effect(figure: UncertainFigure) -> tuple[FigureEffect, Ends]:
+        """And its ends, that first with which the control is faster."""
         times = [total(figure.at(end, figures, machine)) for end in figure.factors]
         ends = figure.factors if times[0] <= times[1] else figure.factors[::-1]
-        return FigureEffect(str(figure), min(middle, *times), max(middle, *times)), *ends
+        return FigureEffect(str(figure), min(middle, *times), max(middle, *times)), ends
 
     uncertain = uncertain_figures(figures, machine)
-    found = []
-    faster = slower = figures
+    found, ends = [], []
     for each in uncertain:
-        made, quick, slow = effect(each)
+        made, quick_slow = effect(each)
         found.append(made)
-        faster, slower = each.at(quick, faster, machine), each.at(slow, slower, machine)
+        ends.append(quick_slow)
     if not any(each.width > 0.0 for each in found):
         return TimeRange(middle, middle)
-    least = min(total(faster), *(each.least for each in found))
-    most = max(total(slower), *(each.most for each in found))
+
+    def at(chosen: Sequence[float]) -> float:
+        changed = figures
+        for each, end in zip(uncertain, chosen):
+            changed = each.at(end, changed, machine)
+        return total(changed)
+
+    least = min(-_largest(lambda chosen: -at(chosen), ends), *(each.least for each in found))
+    most = max(_largest(at, [pair[::-1] for pair in ends]), *(each.most for each in found))
     effects = _ranked(found)
     names = _most_of(effects)
     split: list[FigureEffect] = []
@@ -134,6 +142,17 @@ def time_range(
         axes = [each.rpartition(" ")[2] for each in _most_of(split)]
         names[0] += f" of {' and '.join(axes)}" if axes else ""
     return TimeRange(least, most, (*effects, *split), ", and ".join(names))
+
+
+def _largest(value: Callable[[Sequence[float]], float], ends: Sequence[Ends]) -> float:
+    """The largest value over ends of all figures at once: the first ends, and each turned over where that is larger."""
+    chosen = [first for first, _ in ends]
+    largest = value(chosen)
+    for k, (_, second) in enumerate(ends):
+        turned = [*chosen[:k], second, *chosen[k + 1 :]]
+        if (found := value(turned)) > largest:
+            largest, chosen = found, turned
+    return largest
 
 
 def _ranked(effects: Iterable[FigureEffect]) -> list[FigureEffect]:
@@ -158,6 +177,10 @@ def uncertain_figures(figures: ControlFigures, machine: Machine) -> list[Uncerta
         if name in LIMITS and (isinstance(spread, dict) or isinstance(value, dict)):
             usual = USUAL[figures.model].get(name, 1.0)
             by_axis = spread if isinstance(spread, dict) else dict.fromkeys(machine.joints, spread)
+            for axis in by_axis:
+                if axis not in machine.joints:
+                    hint = did_you_mean(axis[:60], machine.joints)
+                    raise UsageError(f"[time.uncertainty] {name}: machine '{machine.name}' has no axis {axis[:60]}; {hint}")
             for axis, limit in limits_by_axis(figures, machine, name).items():
                 factors = _factors(f"{name}.{axis}", by_axis.get(axis, usual), limit)
                 found.append(UncertainFigure(name, axis, factors))
@@ -238,7 +261,7 @@ def limits_by_axis(figures: ControlFigures, machine: Machine, name: str) -> dict
     return dict(zip(machine.joints, limits.tolist()))
 
 
-def _factors(name: str, spread: Spread, value: float) -> tuple[float, float]:
+def _factors(name: str, spread: Spread, value: float) -> Ends:
     """Both ends over the figure, or the ends themselves of one that is zero."""
     if not isinstance(spread, list):
         return (1.0 / spread, spread) if value else (0.0, 0.0)
