@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from toolpace.controls.fitting.motion_log import MotionLog
+from toolpace.controls.fitting.motion_log import MotionLog, trimmed
 
 
 def duration(length: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float]:
@@ -43,17 +43,17 @@ def s_curve(length: float, speed: float, acceleration: float, jerk: float, t: np
 
 
 def log_of_lines(
-    ways: list[tuple[int, float]], speed: float, acceleration: list[float], jerk: list[float], dt: float, noise: float = 0.0,
-    seed: int = 0,
+    ways: list[tuple[int, float]], speed: float, acceleration: list[float], jerk: list[float], dt: float,
+    noise: float = 0.0, seed: int = 0,
 ) -> MotionLog:  # fmt: skip
-    """Joint positions (n, axes): ways are axis and length, each from rest to rest, one right after the other."""
+    """Joint positions (n, axes) with rest before and after; ways are axis and length, each from rest to rest."""
     times = [duration(abs(way), speed, acceleration[axis], jerk[axis])[1] for axis, way in ways]
     ends = np.cumsum(times)
-    t = np.arange(-2.0 * dt, ends[-1] + 3.0 * dt, dt)
+    t = np.arange(-50.0 * dt, ends[-1] + 50.0 * dt, dt)
     q = np.zeros((len(t), len(acceleration)))
     for (axis, way), end, spent in zip(ways, ends, times):
         local = np.clip(t - (end - spent), 0.0, spent)
         q[:, axis] += np.sign(way) * s_curve(abs(way), speed, acceleration[axis], jerk[axis], local)
     moved = np.ptp(q, axis=0) > 0.0
     measured = q + noise * np.random.default_rng(seed).normal(size=q.shape) * moved
-    return MotionLog(dt, measured[2:-1])
+    return trimmed(dt, measured)

@@ -8,14 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.timed_programs import machine
+from tests.support.s_curves import duration, log_of_lines
+from tests.support.timed_programs import A, J, machine
 from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
-from toolpace.controls.fitting.fit import fit_log
+from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
 from toolpace.controls.fitting.motion_log import MotionLog, load_log, sustained_accelerations, trimmed
+from toolpace.controls.fitting.written_times import WrittenTime
 from toolpace.controls.timing.figures import figures_of
-from toolpace.controls.timing.program_time import time_of_moves
+from toolpace.controls.timing.program_time import time_of_moves, with_range
+from toolpace.programs.commanded import Commanded
 from toolpace.programs.reading import Source, read_commanded
 
 ON = Machine.load("xyzac-trunnion")
@@ -118,3 +121,75 @@ def test_the_log_of_another_program_is_refused():
     moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
     with pytest.raises(UsageError, match="not measured of this program"):
         fit_log(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))
+
+
+@pytest.mark.parametrize("seed", [1, 7])
+def test_a_log_with_limited_jerk_tells_figures_within_their_stated_ends(seed: int):
+    """The motion is of closed forms; with the noise of an encoder."""
+    rng = np.random.default_rng(seed)
+    jerk = J * float(rng.uniform(0.6, 1.6))
+    real = {"X": 1.3 * A, "Y": 0.8 * A, "Z": A}
+    ways = [(k % 3, float(rng.uniform(0.01, 0.06)) * (-1) ** k) for k in range(9)]
+    log = log_of_lines(ways, 0.25, [*real.values(), 50.0, 50.0], [jerk] * 5, 2e-3, 1e-7, seed)
+    found = fit_log(lines(ways), MACHINE, log, figures_of({}, "", "lookahead"))
+    told = {each.name: each for each in found.fitted}
+    assert told["jerk"].least * J <= jerk <= told["jerk"].most * J
+    assert told["jerk"].most < 1.3 * told["jerk"].least
+    for axis, figure in real.items():
+        own = told[f"acceleration of {axis}"]
+        assert own.least <= 1e3 * figure <= own.most and own.most < 1.3 * own.least
+
+
+def lines(ways: list[tuple[int, float]], feed: int = 15000) -> Commanded:
+    """A program that stops after each way; every third begins with another tool."""
+    place, text = np.zeros(3), ["G21 G90 G94 G61.1", "G0 X0 Y0 Z0 A0 C0"]
+    for k, (axis, way) in enumerate(ways):
+        place[axis] += way
+        text += [f"T{k // 3 + 1} M6"] * (k % 3 == 0)
+        text.append(f"G1 {'XYZ'[axis]}{1e3 * place[axis]:.7f} F{feed}")
+    return read_commanded(Source.from_text("\n".join([*text, "M2", ""]), "part.ngc"), MACHINE)
+
+
+def test_times_of_operations_tell_jerk_and_acceleration():
+    """Written to a hundredth of a second, from closed forms; long ways tell the acceleration, short ones the jerk."""
+    rng = np.random.default_rng(3)
+    long = [(k % 3, 0.3 * (-1) ** (k // 3)) for k in range(12)]
+    short = [(k % 3, float(rng.uniform(0.001, 0.002)) * (-1) ** (k // 3)) for k in range(24)]
+    ways, a, j = long + short, 1.15 * A, 0.7 * J
+    spent = [sum(duration(abs(way), 0.5, a, j)[1] for _, way in ways[k : k + 3]) for k in range(0, 36, 3)]
+    written = [WrittenTime(f"T{k + 1}", round(time, 2), 0.01) for k, time in enumerate(spent)]
+    found = fit_times(lines(ways, 30000), MACHINE, written, figures_of({}, "", "lookahead"))
+    told = {each.name: each for each in found.fitted}
+    assert told["jerk"].least <= 0.7 <= told["jerk"].most < 1.1 * told["jerk"].least
+    assert told["acceleration"].least <= 1.15 <= told["acceleration"].most < 1.2 * told["acceleration"].least
+    assert found.modelled == pytest.approx(sum(spent), rel=2e-3)
+    # a file with these figures has a range as narrow as the times leave it
+    time = time_of_moves(lines(ways, 30000), MACHINE, found.figures)
+    narrow = with_range(time, lines(ways, 30000), MACHINE, found.figures).range
+    assert narrow is not None and narrow.least <= sum(spent) <= narrow.most < 1.1 * narrow.least
+
+
+def test_one_time_tells_one_figure_as_well_as_the_others_are_known():
+    """Short ways, on which the acceleration is never reached: the time is that of the jerk alone."""
+    ways = [(k % 3, 0.0015 * (-1) ** (k // 3)) for k in range(12)]
+    total = sum(duration(abs(way), 0.25, A, 0.6 * J)[1] for _, way in ways)
+    found = fit_measured(f"{total:.2f} s", lines(ways), MACHINE, figures_of({}, "", "lookahead"))
+    (told,) = found.fitted
+    assert told.name == "jerk" and told.least <= 0.6 <= told.most
+    # the jerk goes with the cube of the time
+    rounding = 0.01 / math.sqrt(12.0) / total
+    assert told.most / told.least == pytest.approx(math.exp(2.0 * 1.96 * 3.0 * rounding), rel=0.01)
+    assert found.modelled == pytest.approx(total, abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ([WrittenTime("Pocket", 3.0, 1.0)], "no operation 'Pocket' left; .*T1"),
+        ([WrittenTime("", 900.0, 1.0)], "no jerk makes the model take 15 min"),
+        ([WrittenTime("T1", 90.0, 1.0), WrittenTime("T2", 800.0, 1.0)], "not measured of this program"),
+    ],
+)
+def test_times_that_cannot_be_of_the_program_are_refused(written: list[WrittenTime], told: str):
+    with pytest.raises(UsageError, match=told):
+        fit_times(lines([(k % 3, 0.0015) for k in range(6)]), MACHINE, written, figures_of({}, "", "lookahead"))

@@ -67,7 +67,8 @@ def test_a_control_whose_figures_lie_within_their_uncertainties_takes_a_time_wit
 
     real: dict[str, object] = {"acceleration": off(1.2), "jerk": off(2.0), "tolerance": 0.01 * off(1.5)}
     if model == "fanuc":
-        real["fanuc"] = {"corner_difference": 500.0 * off(2.0), "after_interpolation": float(rng.choice([0.0, 0.01, 0.03]))}
+        spread = float(rng.choice([0.0, 0.01, 0.03]))
+        real["fanuc"] = {"corner_difference": 500.0 * off(2.0), "after_interpolation": spread}
     if model == "sinumerik":
         real["sinumerik"] = {"transition_jerk": off(2.0), "overload": 1.2 * off(1.05)}
     if model == "heidenhain":
@@ -117,7 +118,7 @@ def test_an_uncertainty_that_is_none_is_refused(table: dict[str, object], told: 
 
 def test_bounds_of_a_figure_are_told():
     stated = figures_of({"uncertainty": {"sinumerik": {"overload": 1.5}}}, "", "sinumerik")
-    with pytest.raises(UsageError, match="sinumerik.overload: .*give both ends"):
+    with pytest.raises(UsageError, match=r"sinumerik\.overload: .*give both ends"):
         range_of(moves_of(CORNERS), stated)
     assert math.isfinite(range_of(moves_of(CORNERS), figures_of({"tolerance": 1e-4}, "", "lookahead")).most)
     assert MACHINE.joints == ON.joints

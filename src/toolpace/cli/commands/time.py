@@ -24,7 +24,7 @@ from toolpace.common.units import format_length, format_time
 from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
 
 if TYPE_CHECKING:
-    from toolpace.controls.fitting.fit import Fit
+    from toolpace.controls.fitting.least_squares import Fit
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.programs.reading import Controller

@@ -27,6 +27,8 @@ STEADY = 0.2
 """Most share by which times between rows may differ from their median."""
 STILL = 1e-9
 """Way of an axis [m, rad] that is none."""
+CERTAIN = 6.0
+"""Standard deviations of noise beyond which an axis moves."""
 SPANS = (1, 2, 3, 5, 8, 13, 21)
 """Rows between which accelerations are differences: more where the log is noisy."""
 KEPT_UP = 3
@@ -122,12 +124,33 @@ def _step(t: Floats, source: str) -> float:
 
 def trimmed(dt: float, q: Floats, source: str = "log") -> MotionLog:
     """The rows from the last at rest to the first at rest again. Raises UsageError where no axis moves."""
-    moving = np.flatnonzero(np.nanmax(np.abs(np.diff(q, axis=0)), axis=1) > STILL)
-    if not len(moving):
+    least = np.array([max(STILL, CERTAIN * noise_of(column)) for column in q.T])
+    left, there = (np.flatnonzero(np.nanmax(np.abs(q - q[end]) - least, axis=1) > 0.0) for end in (0, -1))
+    if not len(left):
         raise UsageError(f"log {source}: no axis moves in it")
-    if moving[-1] + 2 - moving[0] < LEAST_ROWS:
+    # the last row before the axes leave their first place, the first one in which they are at their last
+    first, last = int(left[0]) - 1, int(there[-1]) + 1 if len(there) else len(q) - 1
+    if last + 1 - first < LEAST_ROWS:
         raise UsageError(f"log {source}: the axes move in fewer than {LEAST_ROWS} rows of it; log the whole program")
-    return MotionLog(dt, q[moving[0] : moving[-1] + 2])
+    return MotionLog(dt, q[first : last + 1])
+
+
+def noise_of(q: Floats) -> float:
+    """Standard deviation of the noise of positions (n,): fourth differences hold little else, 70 of its variances."""
+    if not np.isfinite(q).all() or len(q) < LEAST_ROWS:
+        return 0.0
+    return math.sqrt(float(np.median(np.diff(q, 4) ** 2)) / (0.455 * 70.0))
+
+
+def without_noise(q: Floats, play: float) -> Floats:
+    """Positions (n,) that follow the measured ones with some play: they turn only where these do by more than noise."""
+    if play <= 0.0:
+        return q
+    followed, at = np.empty(len(q)), float(q[0])
+    for k, value in enumerate(q.tolist()):
+        at = min(max(at, value - play), value + play)
+        followed[k] = at
+    return followed
 
 
 def sustained_accelerations(log: MotionLog) -> tuple[Floats, Floats]:
@@ -151,9 +174,7 @@ def _sustained(q: Floats, dt: float) -> tuple[float, float]:
         kept = np.min([second[k : len(second) - KEPT_UP + k] for k in range(KEPT_UP)], axis=0)
         found = float(kept.max())
         limit = _longest(kept > TOP * found) >= FLAT * _longest(kept > RAMP * found)
-        # fourth differences hold little but noise: 70 of its variances
-        noise = math.sqrt(float(np.median(np.diff(q, 4) ** 2)) / (0.455 * 70.0))
-        share = noise * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
+        share = noise_of(q) * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
         if share < NOISE:
             break
     return found, share if limit else math.inf
@@ -172,7 +193,8 @@ def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, 
     logged = np.isfinite(log.q[0])
     mean = 0.5 * (np.abs(ways.first) + np.abs(ways.last))
     programmed = np.cumsum(np.linalg.norm((mean * scale)[:, logged], axis=1) * ways.length)
-    steps = np.linalg.norm(np.diff(log.q[:, logged] * scale[logged], axis=0), axis=1)
+    columns = [without_noise(column, CERTAIN * noise_of(column)) for column in log.q[:, logged].T]
+    steps = np.linalg.norm(np.diff(np.column_stack(columns) * scale[logged], axis=0), axis=1)
     gone = np.concatenate([[0.0], np.cumsum(steps)])
     gone *= programmed[-1] / gone[-1]
     first = np.concatenate([[True], np.diff(gone) > 0.0])

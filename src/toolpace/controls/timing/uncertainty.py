@@ -179,8 +179,8 @@ def uncertain_figures(figures: ControlFigures, machine: Machine) -> list[Uncerta
             by_axis = spread if isinstance(spread, dict) else dict.fromkeys(machine.joints, spread)
             for axis in by_axis:
                 if axis not in machine.joints:
-                    hint = did_you_mean(axis[:60], machine.joints)
-                    raise UsageError(f"[time.uncertainty] {name}: machine '{machine.name}' has no axis {axis[:60]}; {hint}")
+                    what = f"[time.uncertainty] {name}: machine '{machine.name}' has no axis {axis[:60]}"
+                    raise UsageError(f"{what}; {did_you_mean(axis[:60], machine.joints)}")
             for axis, limit in limits_by_axis(figures, machine, name).items():
                 factors = _factors(f"{name}.{axis}", by_axis.get(axis, usual), limit)
                 found.append(UncertainFigure(name, axis, factors))
