@@ -210,6 +210,7 @@ def time_command(
         toolpace time first.nc second.nc -m my-mill.toml --controller my-control.toml --setup setup.toml
         toolpace time part.mpf -m xyzbc-head --model sinumerik --no-optimum --json
         toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
+        toolpace time part.nc -m my-mill.toml --fit 3:12
     """
     from toolpace.cli import arguments
     from toolpace.cli.commands import time
@@ -233,7 +234,7 @@ def time_command(
     if fit is not None:
         return time.run_fit(programs, fit, request, write_controller)
     if write_controller is not None:
-        raise UsageError("--write-controller goes with --fit LOG.csv: figures come from a log")
+        raise UsageError("--write-controller goes with --fit: figures come from a log or from measured times")
     return time.run_time(programs, request, json)
 
 

@@ -108,6 +108,7 @@ def _range(time: ProgramTime) -> list[tuple[str, str]]:
     if found is None or not found.most > found.least:
         return []
     between = f"{format_time(found.least)} to {format_time(found.most)} ({_percents(time)})"
+    between += " with all figures off at once"
     return [("range", f"{between}, mostly from {found.mostly}" if found.mostly else between)]
 
 
@@ -230,7 +231,7 @@ def _say(steps: Steps, found: Fit) -> None:
     steps.say(f"measured {format_time(found.measured)}, the model takes {format_time(found.modelled)}")
     steps.say(f"on the way they differ by {format_time(found.misfit)} (root mean square)")
     for each in found.fitted:
-        steps.say(f"{each.name} {each.value:.4g} ({each.least:.4g} to {each.most:.4g})")
+        steps.say(str(each))
     if not found.fitted:
         steps.say("the measured times tell of no figure more than was known")
     if found.misfit > POOR * found.measured:

@@ -6,6 +6,7 @@ the rest: least squares, `controls/fitting/least_squares.py`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -37,6 +38,8 @@ LOGGED: dict[str, tuple[str, ...]] = {
 """Figures that a log tells whatever they were before."""
 KEPT = 0.002
 """Deviation of the logarithm of an acceleration that a log shows to be kept for a while, beside its noise."""
+SHOWN = 0.02
+"""Share of an acceleration that a log shows by which the control's own may be lower: noise."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
 LOG_JITTER = 0.05
@@ -63,12 +66,15 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
         return np.diff(np.append(end[far], end[-1]), prepend=0.0)
 
     measured = Measured(np.diff(ended, prepend=0.0), np.full(len(ended), LOG_JITTER * log.dt), of_moves)
-    parameters = [
-        replace(each, deviation=reached[each.figure.axis], measured=True)
-        if each.figure.axis in reached and each.figure.name == "acceleration"
-        else each
-        for each in parameters_of(start, machine, LOGGED[start.model])
-    ]
+    parameters = []
+    for each in parameters_of(start, machine, LOGGED[start.model]):
+        axis = each.figure.axis
+        if each.figure.name == "acceleration" and axis in moving:
+            shown = math.log((1.0 - SHOWN) * moving[axis] / table[axis])
+            kept = replace(each, deviation=reached[axis], measured=True) if axis in reached else each
+            parameters.append(replace(kept, least=min(shown, 0.0)))
+        elif not axis or axis in moving:
+            parameters.append(each)
     return Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
 
 

@@ -59,6 +59,11 @@ class FittedFigure:
     least: float
     most: float
     """Ends between which it lies, in 95 of 100 cases."""
+    unit: str
+    """Empty where its maker's manual says it."""
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.value:.4g} {self.unit}".rstrip() + f" ({self.least:.4g} to {self.most:.4g})"
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,8 @@ class Parameter:
     """Of the logarithm, before the measurement."""
     measured: bool = False
     """Whether the measurement tells it by itself, without a model."""
+    least: float = -math.inf
+    """Logarithm of the ratio below which it cannot be."""
 
 
 def parameters_of(figures: ControlFigures, machine: Machine, free: Sequence[str]) -> list[Parameter]:
@@ -105,6 +112,14 @@ def parameters_of(figures: ControlFigures, machine: Machine, free: Sequence[str]
             widest = max(math.log(most), -math.log(least), ROUNDED)
             found.append(Parameter(each, (math.log(ANYTHING) if each.name in free else widest) / NORMAL))
     return found
+
+
+@dataclass(frozen=True)
+class _Solution:
+    x: Floats
+    ends: dict[int, tuple[float, float]]
+    """Of the figures that the measurement tells, in deviations."""
+    cost: float
 
 
 class Fitting:
@@ -119,6 +134,9 @@ class Fitting:
         self.moves, self.machine, self.start, self.measured = moves, machine, start, measured
         self.parameters = parameters
         self.deviations = np.array([each.deviation for each in parameters])
+        anything = math.log(ANYTHING)
+        self.lowest = np.array([max(each.least, -anything) for each in parameters]) / self.deviations
+        self.highest = anything / self.deviations
         if not len(parameters):
             raise UsageError("--fit: no figure of this control is uncertain; state how much under [time.uncertainty]")
 
@@ -144,27 +162,49 @@ class Fitting:
         return np.column_stack(columns)
 
     def result(self, first: str = "") -> Fit:
-        """The fit to all times; of the figure `first` several are tried to begin with."""
-        x, scale = self._begin(first), 1.0
+        """The fit to all times; of the figure `first` several are tried to begin with, else each that matters."""
+        found = [self._solution(start) for start in ([self._begin(first)] if first else self._starts())]
+        best = min(found, key=lambda each: each.cost)
+        # of two figures one may limit, or the other: what fits as well counts as possible
+        near = [each for each in found if each.cost - best.cost < NORMAL**2]
+        told = {}
+        for k in best.ends:
+            ends = [each.ends.get(k, (-NORMAL, NORMAL)) for each in near]
+            told[k] = (min(low for low, _ in ends), max(high for _, high in ends))
+        untold = (-NORMAL, NORMAL)
+        return self._fit(best.x, {k: e for k, e in told.items() if e != untold or self.parameters[k].measured})
+
+    def _starts(self) -> list[Floats]:
+        """What was before, and the two figures that change the times most higher and lower."""
+        middle = np.zeros(len(self.parameters))
+        effects = np.abs(self.slopes(middle)).sum(axis=0)
+        starts = [middle]
+        for k in np.argsort(effects)[-2:]:
+            starts += [middle + sign * np.eye(len(middle))[k] for sign in (-1.0, 1.0)]
+        return starts
+
+    def _solution(self, x: Floats) -> _Solution:
+        from scipy.special import stdtrit
+
+        scale = 1.0
         for _ in range(2):
             x = self._least(x, scale)
             off = (self.times(x) - self.measured.times) / self.measured.deviation
-            weighted = self.slopes(x) / (scale * self.measured.deviation)[:, None]
-            covariance = np.linalg.inv(weighted.T @ weighted + np.eye(len(x)))
+            slopes = self.slopes(x) / self.measured.deviation[:, None]
+            covariance = np.linalg.inv(slopes.T @ slopes / scale**2 + np.eye(len(x)))
             free = max(len(off) - float(np.sum(1.0 - np.diag(covariance))), 1.0)
             scale = max(1.0, math.sqrt(float(off @ off) / free))
-        weighted = self.slopes(x) / (scale * self.measured.deviation)[:, None]
-        covariance = np.linalg.inv(weighted.T @ weighted + np.eye(len(x)))
-        from scipy.special import stdtrit
-
+        covariance = np.linalg.inv(slopes.T @ slopes / scale**2 + np.eye(len(x)))
         within = NORMAL if scale == 1.0 else float(stdtrit(free, 0.975))
         kept = np.sqrt(np.diag(covariance))
-        halves = {k: within * float(kept[k]) for k in range(len(x)) if kept[k] < NEWS or self.parameters[k].measured}
-        ends = {k: self._ends(x, k, half, scale) for k, half in halves.items()}
-        told = {k: each for k, each in ends.items() if each != (-NORMAL, NORMAL) or self.parameters[k].measured}
-        return self._fit(x, told)
+        ends = {
+            k: self._ends(x, k, within, within * float(kept[k]), scale)
+            for k in range(len(x))
+            if kept[k] < NEWS or self.parameters[k].measured
+        }
+        return _Solution(x, ends, float(off @ off) + float(x @ x))
 
-    def _ends(self, x: Floats, k: int, half: float, scale: float) -> tuple[float, float]:
+    def _ends(self, x: Floats, k: int, within: float, half: float, scale: float) -> tuple[float, float]:
         """Of a figure, in deviations: where the times do not exclude what was possible before, that still is."""
 
         def misfit(value: float) -> float:
@@ -174,8 +214,9 @@ class Fitting:
             return float(off @ off)
 
         least = misfit(float(x[k]))
-        below, above = (misfit(value) - least > NORMAL**2 for value in (-NORMAL, NORMAL))
-        return (float(x[k]) - half if below else -NORMAL), (float(x[k]) + half if above else NORMAL)
+        below, above = (misfit(value) - least > within**2 for value in (-NORMAL, NORMAL))
+        low = max(float(x[k]) - half if below else -NORMAL, min(float(self.lowest[k]), float(x[k])))
+        return low, float(x[k]) + half if above else NORMAL
 
     def of_one_time(self) -> Fit:
         """The one figure that matters most, so that the model takes the measured time."""
@@ -220,7 +261,6 @@ class Fitting:
         from scipy.optimize import least_squares
 
         deviation = scale * self.measured.deviation
-        bound = math.log(ANYTHING) / self.deviations
 
         def residuals(x: Floats) -> Floats:
             return np.concatenate([(self.times(x) - self.measured.times) / deviation, x])
@@ -229,8 +269,9 @@ class Fitting:
             return np.vstack([self.slopes(x) / deviation[:, None], np.eye(len(x))])
 
         found = least_squares(
-            residuals, x, jac=slopes, bounds=(-bound, bound), xtol=1e-4, ftol=1e-6, max_nfev=ITERATIONS
-        )
+            residuals, np.clip(x, self.lowest, self.highest), jac=slopes, bounds=(self.lowest, self.highest),
+            xtol=1e-4, ftol=1e-6, max_nfev=ITERATIONS,
+        )  # fmt: skip
         return np.asarray(found.x)
 
     def _fit(self, x: Floats, ends_of: dict[int, tuple[float, float]]) -> Fit:
@@ -251,7 +292,7 @@ class Fitting:
             value = value_of(figures, self.machine, each)
             down, up = (max(abs(end - x[k]) * self.deviations[k], ROUNDED) for end in (low, high))
             ends = [value * math.exp(-down), max(value * math.exp(up), self._upper_end(x, k))]
-            fitted.append(FittedFigure(str(each), value, *ends))
+            fitted.append(FittedFigure(str(each), value, ends[0], ends[1], each.unit(self.machine)))
             factors = [value / ends[0], ends[1] / value]
             even = abs(math.log(factors[1] / factors[0])) < ROUNDED
             _state(uncertainty, each, _rounded(max(factors)) if even else [_rounded(end) for end in ends])

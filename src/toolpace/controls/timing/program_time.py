@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from toolpace.programs.toolpath import Operation
 
 Model = Callable[[Commanded, "Machine", ControlFigures], MotionProfile]
+LONG = 20_000
+"""Moves of a program from which its range is worked out with fewer trials: each takes a second at 100 000."""
 STILL = 1e-12
 """Way of the tip [m] below which it stands."""
 
@@ -121,7 +123,7 @@ def with_range(time: ProgramTime, moves: Commanded, machine: Machine, figures: C
     def total(changed: ControlFigures) -> float:
         return float(MODELS[changed.model](moves, machine, changed).times.sum()) + waits
 
-    return replace(time, range=time_range(total, machine, figures, time.total))
+    return replace(time, range=time_range(total, machine, figures, time.total, thorough=len(moves) < LONG))
 
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:

@@ -69,6 +69,14 @@ class UncertainFigure:
         changed = value * end if value else end
         return with_figure(figures, self.name, max(changed, LEAST_TOLERANCE) if self.name == "tolerance" else changed)
 
+    def unit(self, machine: Machine) -> str:
+        """In which the figure stands; empty where its maker's manual says it."""
+        if self.name in LIMITS:
+            length = "deg" if self.axis and machine.is_rotary[machine.joints.index(self.axis)] else "mm"
+            power = 2 + LIMITS.index(self.name)
+            return f"{length}/s^{power}" if self.axis else "times the machine's"
+        return "mm" if self.name == "tolerance" else ""
+
     def __str__(self) -> str:
         words = self.name.rpartition(".")[2].replace("_", " ")
         return f"{words} of {self.axis}" if self.axis else words
@@ -106,9 +114,16 @@ class TimeRange:
 
 
 def time_range(
-    total: Callable[[ControlFigures], float], machine: Machine, figures: ControlFigures, middle: float
+    total: Callable[[ControlFigures], float],
+    machine: Machine,
+    figures: ControlFigures,
+    middle: float,
+    thorough: bool = True,
 ) -> TimeRange:
-    """The range of the time that `total` [s] tells for figures; it tells `middle` for these. Raises UsageError."""
+    """The range of the time that `total` [s] tells for figures; it tells `middle` for these. Raises UsageError.
+
+    thorough: whether figures are turned over, and limits told by axis.
+    """
 
     def effect(figure: UncertainFigure) -> tuple[FigureEffect, Ends]:
         """And its ends, that first with which the control is faster."""
@@ -131,12 +146,13 @@ def time_range(
             changed = each.at(end, changed, machine)
         return total(changed)
 
-    least = min(-_largest(lambda chosen: -at(chosen), ends), *(each.least for each in found))
-    most = max(_largest(at, [pair[::-1] for pair in ends]), *(each.most for each in found))
+    turned = len(ends) if thorough else 0
+    least = min(-_largest(lambda chosen: -at(chosen), ends, turned), *(each.least for each in found))
+    most = max(_largest(at, [pair[::-1] for pair in ends], turned), *(each.most for each in found))
     effects = _ranked(found)
     names = _most_of(effects)
     split: list[FigureEffect] = []
-    if names[0] in LIMITS:
+    if thorough and names and names[0] in LIMITS:
         (common,) = (each for each in uncertain if str(each) == names[0])
         split = _ranked(effect(replace(common, axis=axis))[0] for axis in machine.joints)
         axes = [each.rpartition(" ")[2] for each in _most_of(split)]
@@ -144,14 +160,14 @@ def time_range(
     return TimeRange(least, most, (*effects, *split), ", and ".join(names))
 
 
-def _largest(value: Callable[[Sequence[float]], float], ends: Sequence[Ends]) -> float:
-    """The largest value over ends of all figures at once: the first ends, and each turned over where that is larger."""
+def _largest(value: Callable[[Sequence[float]], float], ends: Sequence[Ends], turned: int) -> float:
+    """The largest value over ends of all figures at once: the first, and so many turned over where that is more."""
     chosen = [first for first, _ in ends]
     largest = value(chosen)
-    for k, (_, second) in enumerate(ends):
-        turned = [*chosen[:k], second, *chosen[k + 1 :]]
-        if (found := value(turned)) > largest:
-            largest, chosen = found, turned
+    for k, (_, second) in enumerate(ends[:turned]):
+        other = [*chosen[:k], second, *chosen[k + 1 :]]
+        if (found := value(other)) > largest:
+            largest, chosen = found, other
     return largest
 
 
