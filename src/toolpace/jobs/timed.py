@@ -118,7 +118,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         raised = request.machine.with_limits(raised_limits(request.machine, time.exceeded))
         steps.say("optimum with the limits that the control exceeds as high as it goes")
         likewise = sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + changes
-    told = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
+    tolerances = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
     least = sum(each.time for each in best) + changes if best else None
     return Timed(
         program,
@@ -130,7 +130,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         optimum=time.total if planned and waits_only else least,
         optimum_likewise=likewise,
         assumed=findings.assumptions,
-        program_tolerance=(float(told.min()), float(told.max())) if len(told) else None,
+        program_tolerance=(float(tolerances.min()), float(tolerances.max())) if len(tolerances) else None,
         model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
     )
 
@@ -186,8 +186,8 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
         }
         for part in time.parts
     ]
-    told = found.program_tolerance
-    entry["program_tolerance_mm"] = None if told is None else [each / MILLIMETRE for each in told]
+    tolerances = found.program_tolerance
+    entry["program_tolerance_mm"] = None if tolerances is None else [each / MILLIMETRE for each in tolerances]
     entry["exceeded"] = [
         {
             "kind": each.kind,

@@ -167,12 +167,14 @@ class Fitting:
         best = min(found, key=lambda each: each.cost)
         # of two figures one may limit, or the other: what fits as well counts as possible
         near = [each for each in found if each.cost - best.cost < NORMAL**2]
-        told = {}
+        intervals = {}
         for k in best.ends:
             ends = [each.ends.get(k, (-NORMAL, NORMAL)) for each in near]
-            told[k] = (min(low for low, _ in ends), max(high for _, high in ends))
-        untold = (-NORMAL, NORMAL)
-        return self._fit(best.x, {k: e for k, e in told.items() if e != untold or self.parameters[k].measured})
+            intervals[k] = (min(low for low, _ in ends), max(high for _, high in ends))
+        narrowed = {
+            k: each for k, each in intervals.items() if each != (-NORMAL, NORMAL) or self.parameters[k].measured
+        }
+        return self._fit(best.x, narrowed)
 
     def _starts(self) -> list[Floats]:
         """What was before, and the two figures that change the times most higher and lower."""

@@ -22,7 +22,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
-from toolpace.common.files.binary import read_binary
+from toolpace.common.files.atomic import read_binary
 from toolpace.common.workers import Workers
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.set_point_prediction import KINDS, jets_of, residuals

@@ -20,7 +20,7 @@ import numpy as np
 
 from toolpace.common.arrays import Ints
 from toolpace.common.files import whole_file
-from toolpace.common.files.binary import read_binary
+from toolpace.common.files.atomic import read_binary
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.packed_splines import left_of_splines, splines_of
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw

@@ -30,7 +30,7 @@ class BendingFigures(Protocol):
     def rounds(self) -> int: ...
 
 
-class RoundFigures(Protocol):
+class IterationFigures(Protocol):
     """A path that was fitted on the way."""
 
     @property
@@ -67,7 +67,7 @@ class PlanFigures(Protocol):
     @property
     def effort(self) -> str: ...
     @property
-    def rounds(self) -> Sequence[RoundFigures]: ...
+    def rounds(self) -> Sequence[IterationFigures]: ...
     @property
     def bending(self) -> BendingFigures | None: ...
 

@@ -1,16 +1,18 @@
-"""The folder of a plan, written completely or not at all."""
+"""The folder of a plan, written completely or not at all; and its table of set-points, setpoints.csv."""
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files import reason, sealed_files, whole_folder
+from toolpace.common.files import reason, sealed_files, whole_file, whole_folder
 from toolpace.machine.machine import Machine
 from toolpace.motion.files.set_point_files import (
     COMPACT_FILE,
@@ -22,10 +24,19 @@ from toolpace.motion.files.set_point_files import (
     write_set_points,
 )
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
-from toolpace.results.write.csv import write_csv
+from toolpace.motion.setpoints import SetPoints
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
-from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
-from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
+from toolpace.results.write.result import (
+    CONTROLLER,
+    SETUP,
+    TOOL,
+    PlanResult,
+    bent_tool,
+    copy_name,
+    read_again,
+    reading_record,
+    write_reading_options,
+)
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
@@ -38,6 +49,48 @@ REPORT = "report.html"
 """Names of the files beside plan.json."""
 WRITING = "writing"
 """The step under which plan.json tells the time that the other files took."""
+CHUNK = 20_000
+"""Rows that are turned into text in one piece, to keep memory low."""
+_KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
+"""What a column holds, the field of SetPoints, and what its unit is divided by."""
+
+
+def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], list[float]]:
+    """Names with units, and the factors from SI, of all columns but the last (block)."""
+    rotary = machine.is_rotary if machine is not None else [None] * len(setpoints.joints)
+    units = [("", 1.0) if r is None else ("deg", 180.0 / math.pi) if r else ("mm", 1e3) for r in rotary]
+    names, factors = ["t [s]"], [1.0]
+    for kind, _, per in _KINDS:
+        for joint, (unit, factor) in zip(setpoints.joints, units):
+            shown = f"{unit}{per}" if unit else f"1{per}" if per else "1"
+            names.append(f"{joint}{kind} [{shown}]")
+            factors.append(factor)
+    if setpoints.has_tool:
+        names += [f"tip {c} [mm]" for c in "xyz"] + [f"axis {c} [1]" for c in "ijk"]
+        factors += [1e3] * 3 + [1.0] * 3
+    return names, factors
+
+
+def write_csv(path: str | os.PathLike[str], setpoints: SetPoints, machine: Machine | None = None) -> None:
+    """Write the table, whole or not at all: time, positions, velocities, accelerations, jerks, tip, axis,
+    block.
+
+    Fifteen digits: a jerk found by differences of positions at 1 ms needs them.
+    """
+    names, factors = columns(setpoints, machine)
+    parts = [setpoints.t[:, None], setpoints.q, setpoints.qd, setpoints.qdd, setpoints.qddd]
+    parts += [setpoints.tip, setpoints.axis] if setpoints.has_tool else []
+    form = "%.15g," * len(names) + "%d\n"
+    scale = np.array(factors)
+    with whole_file(path) as temporary, temporary.open("w", encoding="ascii", newline="") as stream:
+        stream.write(",".join([*names, "block"]) + "\n")
+        for start in range(0, len(setpoints), CHUNK):
+            rows = slice(start, start + CHUNK)
+            # Zero has no sign.
+            values = np.hstack([part[rows] for part in parts]) * scale + 0.0
+            # Block numbers are exact in double precision, so that one format serves the whole row.
+            table = np.column_stack((values, setpoints.block[rows]))
+            stream.write((form * len(table)) % tuple(table.ravel().tolist()))
 
 
 def write_folder(
@@ -73,7 +126,7 @@ def write_folder(
             write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
-        write_how_read(folder, result.options)
+        write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
         if csv:

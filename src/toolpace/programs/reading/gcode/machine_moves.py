@@ -6,14 +6,14 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import reference, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader, turned_alone
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 
-class Places:
+class MachineMoves:
     """Carries out G28, G29, G30, G53 and MillPlus' G74."""
 
     def __init__(self, control: Control, state: Modal, motion: MotionReader, frames: Frames, by: Controller) -> None:
@@ -119,12 +119,12 @@ class Places:
             raise RefusedError("G53 under G91", "the control passes it over there: write G90 G53")
         axes = self._named(numbers, "G53")
         slots = control.slots
-        places = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in axes.items()}
-        if places:
+        coordinates = {letter: value * (unit if slots[letter] < 3 else DEGREE) for letter, value in axes.items()}
+        if coordinates:
             self.state.along = 0.0
-            self.state.level_by_machine |= "Z" in places
-            self.state.turned_in_plane |= not places.keys().isdisjoint("ABC")
-            straight_in_machine(control, places, rapid=rapid)
+            self.state.level_by_machine |= "Z" in coordinates
+            self.state.turned_in_plane |= not coordinates.keys().isdisjoint("ABC")
+            straight_in_machine(control, coordinates, rapid=rapid)
 
     def machine_rapid(self, numbers: Numbers, word: str) -> None:
         """MillPlus G74: to machine coordinates at rapid; L1 is a setting of its own."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, number
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate, number
 
 VALUE = r"[-+]?(?:[0-9]++[.,]?[0-9]*+|[.,][0-9]++|Q[LR]?[0-9]++)"
 _WORD = re.compile(

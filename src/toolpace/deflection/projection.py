@@ -1,4 +1,4 @@
-"""The nearest point by descent in a potential field (Wu et al. 2009, Eq. 8 to 10).
+"""The projection of a deflection on a path: the nearest point, by bounds or by the paper's potential field.
 
 Source: Wu, Li, Liu, Perez, ACC 2009, section II.D. The target slides along the path as its attraction to the
 deflection pulls it, until no force along the path is left.
@@ -10,15 +10,18 @@ deflection pulls it, until no force along the path is left.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, number, numbers
-from toolpace.common.errors import UsageError
-from toolpace.deflection.projection.branch_and_bound import CONVERGED, ROUNDING
-from toolpace.deflection.projection.stretch import Projection, Stretch
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.deflection.nearest_point import CONVERGED, ROUNDING, Projection, Stretch, nearest, stretches
+from toolpace.path.path import Path
+
+__all__ = ["Projection", "force", "potential", "project"]
 
 SAMPLES = 400
 """Points of a run, beside its breaks, from which the nearest ones are taken as starts."""
@@ -26,6 +29,9 @@ STARTS = 4
 """Nearest valleys of the distance that are descended into; of two as near the lower one is not known before."""
 MOST_STEPS = 500
 """Of one descent. Each is Gauss-Newton's, and near the path a few of them reach the last digits."""
+METHODS = ("bounds", "potential")
+TOLERANCE = 1e-9
+"""By which another point of the path may be nearer [m]."""
 
 
 def potential(
@@ -130,3 +136,38 @@ def nearest_by_field(stretches: list[Stretch], point: Floats) -> Projection:
                 best = found
     assert best is not None
     return best
+
+
+def project(
+    path: Path,
+    tip: npt.ArrayLike | None = None,
+    *,
+    deflection: npt.ArrayLike | None = None,
+    interval: tuple[float, float] | None = None,
+    method: str = "bounds",
+    tolerance: float = TOLERANCE,
+) -> Projection:
+    """The point of a path, or of the `interval` (from s, to s) of one of its runs, nearest to a `tip` (3,) [m].
+
+    The paper looks on the interval on which the tool was; with u clipped to [0, 1] its ends count too. The whole path
+    is the default.
+
+    By "bounds" no point is missed: none of the path is nearer by more than the `tolerance` [m], and the result says by
+    how much at most (`within`). That is proven for fitted paths, B-splines, quintic intervals and arcs, whose second
+    derivatives are bounded by their control points; of a path given as a function only samples tell (`proven`). By
+    "potential", the paper's way, a target is drawn along the path from the nearest of 400 samples, which finds a valley
+    only where the samples do. Time grows in proportion to the pieces of the path.
+
+    `deflection` is the former name of `tip`. Raises UsageError for a position that is not finite, an interval that lies
+    on no run or on several, and a potential field that does not come to rest, and PathError for a path whose
+    derivatives are not finite.
+    """
+    if deflection is not None and tip is None:
+        warnings.warn("project: deflection= is called tip= now", DeprecationWarning, stacklevel=2)
+        tip = deflection
+    point = numbers(tip, "project: tip", (3,), unit="m")
+    if method not in METHODS:
+        raise UsageError(f"deflection: unknown method '{method}'; {did_you_mean(method, METHODS)}")
+    tolerance = number(tolerance, "deflection: tolerance", least=0.0, above=True, unit="m")
+    parts = stretches(path, interval)
+    return nearest_by_field(parts, point) if method == "potential" else nearest(parts, point, tolerance)

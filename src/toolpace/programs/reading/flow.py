@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeVar
 
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 # Labels
 

@@ -27,12 +27,15 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.common.errors import PathError
-from toolpace.deflection.projection.stretch import Projection, Stretch
+from toolpace.common.arrays import Bools, Floats, Ints, numbers
+from toolpace.common.errors import PathError, UsageError
+from toolpace.common.value_objects import ByValue, one_line
+from toolpace.path.path import Path
 from toolpace.path.run import PathRun
 
-MOST_ROUNDS = 100
+BORDER = 1e-12
+"""How far an interval may reach beyond its run by rounding."""
+MOST_HALVINGS = 100
 """Halvings: more than a double has digits."""
 MOST_CELLS = 1 << 18
 """Open at once. More would be only where a long path keeps its distance to the tolerance (many turns about the point);
@@ -59,6 +62,68 @@ DEEPEST = 24
 """Halvings of a first cell; a second derivative that is still not resolved then jumps, and both its sides are seen."""
 MOST_UNRESOLVED = 1 << 17
 """Cells; where more are not resolved the second derivative is noise, and is taken as it was seen."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A run from one parameter to another."""
+
+    index: int
+    """Of the run."""
+    run: PathRun
+    low: float
+    high: float
+
+    def tip(self, s: Floats) -> Floats:
+        """(4, n, 3) tip and three derivatives at s (n,)."""
+        jets: Floats = self.run.evaluate(s).tip
+        return jets
+
+
+def stretches(path: Path, interval: tuple[float, float] | None) -> list[Stretch]:
+    """All runs of a path, or the `interval` (from s, to s) of one of them.
+
+    Raises UsageError where there is none, and where several have it.
+    """
+    if interval is None:
+        return [Stretch(index, run, run.s0, run.s1) for index, run in enumerate(path.runs)]
+    low, high = numbers(interval, "deflection: interval", (2,)).tolist()
+    found = [
+        Stretch(index, run, max(low, run.s0), min(high, run.s1))
+        for index, run in enumerate(path.runs)
+        if run.s0 - BORDER <= low < high <= run.s1 + BORDER
+    ]
+    if not found:
+        raise UsageError(f"deflection: the path has no interval from s = {interval}; give one inside a run")
+    if len(found) > 1:
+        raise UsageError(
+            f"deflection: {len(found)} runs of the path have an interval from s = {interval}; project on the one that"
+            " is meant: Path((path.runs[k],))"
+        )
+    return found
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Projection(ByValue):
+    """The point of a path that is nearest to a deflection."""
+
+    s: float
+    """Parameter on the path."""
+    run: int
+    """Index of the run."""
+    tip: Floats
+    """(3,) [m]."""
+    distance: float
+    """From the deflection [m]."""
+    steps: int
+    """Rounds of halving, or steps of the descent."""
+    within: float
+    """No point that was looked for is nearer by more than this [m]; inf by the potential field, which cannot tell."""
+    proven: bool
+    """Whether bounds of the path itself stand behind `within`; of a path given as a function only samples can."""
+
+    def __repr__(self) -> str:
+        return one_line(self, f"s {self.s:.9g} of run {self.run}", f"{self.distance * 1e3:.6g} mm away")
 
 
 @dataclass(frozen=True)
@@ -145,21 +210,21 @@ def nearest(stretches: list[Stretch], point: Floats, tolerance: float) -> Projec
     best = better(None, cells, stretches, point)
     closed = np.inf
     """Least distance that a closed cell may have."""
-    rounds = 0
+    halvings = 0
     while True:
         least = cells.least_distance(point)
         is_open = least < best.distance - tolerance
-        if rounds == MOST_ROUNDS or np.count_nonzero(is_open) > MOST_CELLS:
+        if halvings == MOST_HALVINGS or np.count_nonzero(is_open) > MOST_CELLS:
             is_open[:] = False
         closed = min(closed, float(least[~is_open].min(initial=np.inf)))
         if not is_open.any():
             break
         cells = cells.halved(is_open, stretches)
         best = better(best, cells, stretches, point)
-        rounds += 1
+        halvings += 1
     within = max(0.0, best.distance - closed)
     proven = all(chords_of(stretch.run).proven for stretch in stretches)
-    return Projection(best.s, stretches[best.stretch].index, best.tip, best.distance, rounds, within, proven)
+    return Projection(best.s, stretches[best.stretch].index, best.tip, best.distance, halvings, within, proven)
 
 
 def better(best: Found | None, cells: Cells, stretches: list[Stretch], point: Floats) -> Found:
@@ -214,20 +279,20 @@ class Chords:
     """False where the bound rests on samples of a function."""
 
 
-KNOWN: WeakKeyDictionary[PathRun, Chords] = WeakKeyDictionary()
+CHORDS_OF: WeakKeyDictionary[PathRun, Chords] = WeakKeyDictionary()
 """Of the runs that were asked for: found once, as long as there is the run."""
 
 
 def chords_of(run: PathRun) -> Chords:
     """Those of a run. Raises PathError where it is a function with a derivative that is not finite."""
-    if run not in KNOWN:
+    if run not in CHORDS_OF:
         most = run.second_derivative_bounds()
         if most is None:
-            KNOWN[run] = sampled_chords(lambda s: run.evaluate(s).tip, run.breaks)
+            CHORDS_OF[run] = sampled_chords(lambda s: run.evaluate(s).tip, run.breaks)
         else:
             sag = most * np.diff(run.breaks) ** 2 / 8.0
-            KNOWN[run] = Chords(run.breaks, run.evaluate(run.breaks).tip[0], sag, proven=True)
-    return KNOWN[run]
+            CHORDS_OF[run] = Chords(run.breaks, run.evaluate(run.breaks).tip[0], sag, proven=True)
+    return CHORDS_OF[run]
 
 
 def sampled_chords(tip_jets: Callable[[Floats], Floats], breaks: Floats) -> Chords:
