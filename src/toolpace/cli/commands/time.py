@@ -246,12 +246,19 @@ def controller_text(controller: Controller | None, figures: ControlFigures, name
 
     table = msgspec.to_builtins(figures)
     usual = msgspec.to_builtins(type(figures)())
-    time = {key: value for key, value in table.items() if key == "model" or value != usual[key]}
+    time = {key: _changed(value, usual[key]) for key, value in table.items() if key == "model" or value != usual[key]}
     head: dict[str, object] = {} if controller is None else {"name": name or f"my-{controller.name}"}
     if controller is not None:
         base = controller.like or controller.name
         head["like"] = base if base in controller.names() else ""
     return toml_text(head | {"time": {key: _rounded(value) for key, value in time.items()}})
+
+
+def _changed(value: object, usual: object) -> object:
+    """Of a maker's table the figures that differ from the usual ones."""
+    if isinstance(value, dict) and isinstance(usual, dict):
+        return {key: each for key, each in value.items() if each != usual.get(key)}
+    return value
 
 
 def _rounded(value: object) -> object:

@@ -32,8 +32,12 @@ if TYPE_CHECKING:
 
 ANYTHING = 1e3
 """Factor by which these may differ."""
+ALONE = 50.0
+"""The same of the figure that one time alone tells."""
 TRIED = np.geomspace(0.02, 50.0, 12)
 """Factors of the first of them that are tried first: there may be more than one that fits nearly."""
+FARTHEST = 4.0
+"""Deviations by which a figure may differ from what it was."""
 NORMAL = 1.96
 """Deviations to either side that hold 95 of 100."""
 STEP = 0.02
@@ -134,9 +138,8 @@ class Fitting:
         self.moves, self.machine, self.start, self.measured = moves, machine, start, measured
         self.parameters = parameters
         self.deviations = np.array([each.deviation for each in parameters])
-        anything = math.log(ANYTHING)
-        self.lowest = np.array([max(each.least, -anything) for each in parameters]) / self.deviations
-        self.highest = anything / self.deviations
+        self.highest = np.minimum(FARTHEST, math.log(ANYTHING) / self.deviations)
+        self.lowest = np.maximum(-self.highest, [each.least / each.deviation for each in parameters])
         if not len(parameters):
             raise UsageError("--fit: no figure of this control is uncertain; state how much under [time.uncertainty]")
 
@@ -232,7 +235,7 @@ class Fitting:
             x[k] = value
             return float(self.times(x)[0] - self.measured.times[0])
 
-        ends = np.array([-1.0, 1.0]) * math.log(ANYTHING) / self.deviations[k]
+        ends = np.array([-1.0, 1.0]) * math.log(ALONE) / self.deviations[k]
         reached = [off(end) for end in ends]
         if effects[k] == 0.0 or reached[0] * reached[1] > 0.0:
             least, most = sorted(each + float(self.measured.times[0]) for each in reached)
