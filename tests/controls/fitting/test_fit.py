@@ -182,6 +182,21 @@ def test_one_time_tells_one_figure_as_well_as_the_others_are_known():
     assert found.modelled == pytest.approx(total, abs=0.006)
 
 
+@pytest.mark.sweep
+def test_stated_ends_hold_95_of_100_controls():
+    """Acceleration and jerk drawn as uncertain as they are by default; the whole time is written to a tenth of it."""
+    held = 0
+    ways = [(k % 3, 0.002 * (k % 7 + 1) * (-1) ** (k // 3)) for k in range(21)]
+    moves = lines(ways)
+    for seed in range(100):
+        a, j = np.random.default_rng(seed).normal(size=2) * np.log([1.2, 2.0]) / 1.96
+        total = sum(duration(abs(way), 0.25, A * math.exp(a), J * math.exp(j))[1] for _, way in ways)
+        (jerk,) = fit_measured(f"{total:.1f} s", moves, MACHINE, figures_of({}, "", "lookahead")).fitted
+        assert jerk.name == "jerk"
+        held += jerk.least <= math.exp(j) <= jerk.most
+    assert held >= 95
+
+
 @pytest.mark.parametrize(
     ("written", "told"),
     [

@@ -18,8 +18,16 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.controls.fitting.least_squares import Fit, Fitting, Measured, parameters_of
-from toolpace.controls.fitting.motion_log import MotionLog, is_log, load_log, progress, sustained_accelerations
+from toolpace.controls.fitting.motion_log import (
+    MotionLog,
+    is_log,
+    load_log,
+    noise_of,
+    progress,
+    sustained_accelerations,
+)
 from toolpace.controls.fitting.written_times import WrittenTime, load_written_times, written_time
+from toolpace.controls.timing.blocks import rests
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.controls.timing.program_time import PartTime, parts_of
 from toolpace.controls.timing.uncertainty import limits_by_axis
@@ -36,12 +44,16 @@ LOGGED: dict[str, tuple[str, ...]] = {
     "lookahead": ("tolerance", "jerk"),
 }
 """Figures that a log tells whatever they were before."""
-KEPT = 0.002
+KEPT = 2e-4
 """Deviation of the logarithm of an acceleration that a log shows to be kept for a while, beside its noise."""
 SHOWN = 0.02
 """Share of an acceleration that a log shows by which the control's own may be lower: noise."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
+QUIET, VAGUE = 2e-8, 1e6
+"""Noise of positions that hides no beginning [m, rad], and the deviation of a time that counts for nothing [s]."""
+WITHIN_ROW = 0.3
+"""Deviation of a time within a row: 1 / sqrt(12)."""
 LOG_JITTER = 0.05
 """Deviation of a time that a log tells, over the time between rows, at least."""
 
@@ -63,9 +75,20 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
 
     def of_moves(times: Floats) -> Floats:
         end = np.cumsum(times + moves.dwell) - moves.dwell
-        return np.diff(np.append(end[far], end[-1]), prepend=0.0)
+        return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), end[-1])
 
-    measured = Measured(np.diff(ended, prepend=0.0), np.full(len(ended), LOG_JITTER * log.dt), of_moves)
+    # the whole is known to a part of a row, and each rest may cost one, where the model does not count these itself;
+    # noise hides where motion begins and ends
+    resting = 0.0 if start.model == "linuxcnc" else float(rests(moves)[1:-1].sum())
+    noisiest = max(noise_of(column) for column in log.q.T)
+    whole = (WITHIN_ROW + resting) * log.dt if noisiest < QUIET else VAGUE
+    measured = Measured(
+        np.append(np.diff(ended, prepend=0.0), log.duration),
+        np.append(np.full(len(ended), LOG_JITTER * log.dt), whole),
+        of_moves,
+        log.duration,
+        exact=1,
+    )
     parameters = []
     for each in parameters_of(start, machine, LOGGED[start.model]):
         axis = each.figure.axis
@@ -100,7 +123,7 @@ def fit_times(
         return np.asarray(chosen @ (spent + waits))
 
     seconds = np.array([each.seconds for each in written])
-    measured = Measured(seconds, np.array([each.deviation for each in written]), of_moves)
+    measured = Measured(seconds, np.array([each.deviation for each in written]), of_moves, float(seconds.sum()))
     fitting = Fitting(moves, machine, figures, measured, parameters_of(figures, machine, ()))
     return fitting.of_one_time() if len(written) == 1 else fitting.result()
 

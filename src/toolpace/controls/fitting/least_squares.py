@@ -38,6 +38,8 @@ TRIED = np.geomspace(0.02, 50.0, 12)
 """Factors of the first of them that are tried first: there may be more than one that fits nearly."""
 FARTHEST = 4.0
 """Deviations by which a figure may differ from what it was."""
+NEARBY = np.linspace(-0.1, 0.1, 21)
+"""Steps of the logarithm of that figure that are tried at the end."""
 NORMAL = 1.96
 """Deviations to either side that hold 95 of 100."""
 STEP = 0.02
@@ -94,6 +96,10 @@ class Measured:
     deviation: Floats
     of_moves: Callable[[Floats], Floats]
     """Times of moves (n,), dwells left out, to times as measured."""
+    whole: float
+    """[s]"""
+    exact: int = 0
+    """How many of the last times are as exact as they say, whatever the fit leaves of the others."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +141,7 @@ class Fitting:
     ) -> None:  # fmt: skip
         """before: accelerations of axes before a log was looked at."""
         self.before = before or {}
+        self.first = ""
         self.moves, self.machine, self.start, self.measured = moves, machine, start, measured
         self.parameters = parameters
         self.deviations = np.array([each.deviation for each in parameters])
@@ -166,6 +173,7 @@ class Fitting:
 
     def result(self, first: str = "") -> Fit:
         """The fit to all times; of the figure `first` several are tried to begin with, else each that matters."""
+        self.first = first
         found = [self._solution(start) for start in ([self._begin(first)] if first else self._starts())]
         best = min(found, key=lambda each: each.cost)
         # of two figures one may limit, or the other: what fits as well counts as possible
@@ -191,31 +199,36 @@ class Fitting:
     def _solution(self, x: Floats) -> _Solution:
         from scipy.special import stdtrit
 
-        scale = 1.0
+        scale, scales = 1.0, np.ones(len(self.measured.times))
+        rough = len(scales) - self.measured.exact
         for _ in range(2):
-            x = self._least(x, scale)
+            x = self._least(x, scales)
             off = (self.times(x) - self.measured.times) / self.measured.deviation
             slopes = self.slopes(x) / self.measured.deviation[:, None]
-            covariance = np.linalg.inv(slopes.T @ slopes / scale**2 + np.eye(len(x)))
-            free = max(len(off) - float(np.sum(1.0 - np.diag(covariance))), 1.0)
-            scale = max(1.0, math.sqrt(float(off @ off) / free))
-        covariance = np.linalg.inv(slopes.T @ slopes / scale**2 + np.eye(len(x)))
+            weighted = slopes / scales[:, None]
+            covariance = np.linalg.inv(weighted.T @ weighted + np.eye(len(x)))
+            free = max(rough - float(np.sum(1.0 - np.diag(covariance))), 1.0)
+            scale = max(1.0, math.sqrt(float(off[:rough] @ off[:rough]) / free))
+            scales[:rough] = scale
+        scales[rough:] = np.maximum(1.0, np.abs(off[rough:]))
+        weighted = slopes / scales[:, None]
+        covariance = np.linalg.inv(weighted.T @ weighted + np.eye(len(x)))
         within = NORMAL if scale == 1.0 else float(stdtrit(free, 0.975))
         kept = np.sqrt(np.diag(covariance))
         ends = {
-            k: self._ends(x, k, within, within * float(kept[k]), scale)
+            k: self._ends(x, k, within, within * float(kept[k]), scales)
             for k in range(len(x))
             if kept[k] < NEWS or self.parameters[k].measured
         }
         return _Solution(x, ends, float(off @ off) + float(x @ x))
 
-    def _ends(self, x: Floats, k: int, within: float, half: float, scale: float) -> tuple[float, float]:
+    def _ends(self, x: Floats, k: int, within: float, half: float, scales: Floats) -> tuple[float, float]:
         """Of a figure, in deviations: where the times do not exclude what was possible before, that still is."""
 
         def misfit(value: float) -> float:
             changed = x.copy()
             changed[k] = value
-            off = (self.times(changed) - self.measured.times) / (scale * self.measured.deviation)
+            off = (self.times(changed) - self.measured.times) / (scales * self.measured.deviation)
             return float(off @ off)
 
         least = misfit(float(x[k]))
@@ -262,10 +275,10 @@ class Fitting:
             starts.append(x.copy())
         return min(starts, key=lambda start: float(np.sum((self.times(start) - self.measured.times) ** 2)))
 
-    def _least(self, x: Floats, scale: float) -> Floats:
+    def _least(self, x: Floats, scales: Floats) -> Floats:
         from scipy.optimize import least_squares
 
-        deviation = scale * self.measured.deviation
+        deviation = scales * self.measured.deviation
 
         def residuals(x: Floats) -> Floats:
             return np.concatenate([(self.times(x) - self.measured.times) / deviation, x])
@@ -277,13 +290,18 @@ class Fitting:
             residuals, np.clip(x, self.lowest, self.highest), jac=slopes, bounds=(self.lowest, self.highest),
             xtol=1e-4, ftol=1e-6, max_nfev=ITERATIONS,
         )  # fmt: skip
-        return np.asarray(found.x)
+        # times of some models jump with a tolerance: slopes alone come to rest beside the least
+        nearby = [np.asarray(found.x)]
+        for k, each in enumerate(self.parameters):
+            if each.figure.name == self.first:
+                nearby += [found.x + step / self.deviations[k] * np.eye(len(x))[k] for step in NEARBY]
+        return min(nearby, key=lambda x: float(residuals(x) @ residuals(x)))
 
     def _fit(self, x: Floats, ends_of: dict[int, tuple[float, float]]) -> Fit:
         """With the figures of which the measurement tells, and the ends between which they lie, in deviations."""
         times = self.times(x)
-        off = times - self.measured.times
-        whole = float(self.measured.times.sum())
+        rough = len(times) - self.measured.exact
+        off, whole = (times - self.measured.times)[:rough], self.measured.whole
         misfit = float(np.sqrt(np.mean(np.cumsum(off) ** 2)))
         if not misfit <= WORST * whole:
             raise UsageError(
@@ -302,7 +320,7 @@ class Fitting:
             even = abs(math.log(factors[1] / factors[0])) < ROUNDED
             _state(uncertainty, each, _rounded(max(factors)) if even else [_rounded(end) for end in ends])
         figures = msgspec.structs.replace(figures, uncertainty=uncertainty)
-        return Fit(figures, tuple(fitted), whole, float(times.sum()), misfit)
+        return Fit(figures, tuple(fitted), whole, whole + float(off.sum()), misfit)
 
     def _upper_end(self, x: Floats, k: int) -> float:
         """What the acceleration of an axis may be at most, where another axis always limits; else 0."""
