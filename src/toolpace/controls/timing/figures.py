@@ -25,6 +25,10 @@ USUAL_TOLERANCE = 0.01
 """[mm]"""
 Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
 Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
+Factor = Annotated[float, msgspec.Meta(ge=1.0, le=1e3)]
+Ends = Annotated[list[float], msgspec.Meta(min_length=2, max_length=2)]  # msgspec 0.22 crashes at a tuple in a union
+Spread = Factor | Ends
+"""How uncertain a figure is: it lies between a part and a multiple of itself by this factor, or between two ends."""
 
 
 class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -53,6 +57,8 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     heidenhain: HeidenhainFigures = HeidenhainFigures()
     fanuc: FanucFigures = FanucFigures()
     linuxcnc: LinuxCNCFigures = LinuxCNCFigures()
+    uncertainty: dict[str, Spread | dict[str, Spread]] = {}
+    """By figure, and of acceleration and jerk by axis, too; `controls/timing/uncertainty.py` has the usual ones."""
 
     @property
     def room(self) -> float:

@@ -157,8 +157,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Words that may move something and are not read, with the cure."""
     options: dict[str, bool | float | str] = {}
     """What else differs: names that the language knows."""
-    time: dict[str, bool | int | float | str | dict[str, float]] = {}
-    """How fast it goes through a program: the model that `toolpace time` takes, and its figures."""
+    time: dict[str, bool | int | float | str | dict[str, float | list[float] | dict[str, float | list[float]]]] = {}
+    """How fast it goes through a program: the model that `toolpace time` takes, its figures and their uncertainty."""
     source: str = ""
 
     @staticmethod
