@@ -22,7 +22,9 @@ be in use, where z follows the cap whatever the mesh."""
 RAMPS_FINE, COARSEST = 2.0, 16.0
 """Ramp times before and after any other place within which steps are as fine as at it, and how many steps a cell may
 be long further away: as much as two ramps. After one ramp time cells have to be cut again where the motion leaves the
-cap, which takes longer than it saves; after three a tenth of what is gained is lost."""
+cap, which takes longer than it saves; after three a tenth of what is gained is lost. Durations differ by up to 6e-5
+either way with 8 and with 16 steps.
+"""
 STRAIGHT = 1e-3
 """How far z at a cap may be from a straight line in such a cell, relative to it: a cubic is nearer by a hundred times.
 Without it, caps in waves of 1 to 50 percent that long cells miss cost up to 2.4e-3 of the duration."""
