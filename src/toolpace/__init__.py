@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from toolpace.controls.export import Exported, ReadBack, export
     from toolpace.controls.timing.exceeded import ExceededLimit
     from toolpace.controls.timing.program_time import PartTime, ProgramTime, program_time
+    from toolpace.controls.timing.uncertainty import FigureEffect, TimeRange
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
@@ -94,6 +95,7 @@ __all__ = [
     "Engagement",
     "ExceededLimit",
     "Exported",
+    "FigureEffect",
     "Follower",
     "FoundSetUp",
     "Genetic",
@@ -132,6 +134,7 @@ __all__ = [
     "SpeedWeights",
     "Status",
     "TimeLaw",
+    "TimeRange",
     "Tolerances",
     "Tool",
     "ToolPath",
@@ -185,7 +188,9 @@ _HOME = {
     "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.endstate",
     "Engagement": "machine.cutting_tool",
+    "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
+    "FigureEffect": "controls.timing.uncertainty",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
     "Genetic": "planning.genetic",
@@ -200,7 +205,6 @@ _HOME = {
     "OpenPlace": "motion.trajectory",
     "Operation": "programs.toolpath",
     "Optimal": "planning.optimal.planner",
-    "ExceededLimit": "controls.timing.exceeded",
     "PartTime": "controls.timing.program_time",
     "Path": "path.path",
     "PathJet": "path.run",
@@ -225,6 +229,7 @@ _HOME = {
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
     "TimeLaw": "motion.laws",
+    "TimeRange": "controls.timing.uncertainty",
     "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
     "ToolPath": "programs.toolpath",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.s_curves import duration
 from tests.support.trapezoids import log_of, program
 from toolpace.cli import main
 from toolpace.machine.machine import Machine
@@ -92,6 +93,13 @@ def test_the_tolerance_of_the_program_holds_for_the_control_and_for_the_optimum(
     assert "0.05 mm, as the program asks for" in page
     (tmp_path / "part.mpf").write_text("G71 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nY20\nM30\n")
     assert "the program asks for none; 0.01 mm" in printed(capsys, *part, "--no-optimum")
+    # then the control's own tolerance holds for both
+    (tmp_path / "wide.toml").write_text('name = "wide"\nlike = "sinumerik"\n[time]\ntolerance = 0.05\n')
+    narrow, wide = (
+        json.loads(printed(capsys, *part, *how, "--json"))[0]
+        for how in ((), ("--controller", str(tmp_path / "wide.toml")))
+    )
+    assert wide["optimum_s"] < narrow["optimum_s"] and wide["total_s"] < narrow["total_s"]
 
 
 def test_limits_that_the_control_exceeds_are_named_with_place_and_size(tmp_path, capsys):
@@ -106,10 +114,55 @@ def test_limits_that_the_control_exceeds_are_named_with_place_and_size(tmp_path,
         name = "XY"[axis]
         assert worst["acceleration", name]["ratio"] == pytest.approx(change / 1e-3 / limits.acceleration[axis])
         assert worst["jerk", name]["ratio"] == pytest.approx(4.0 * change / 1e-6 / limits.jerk[axis])
-        assert worst["jerk", name]["corners"] == 2 and worst["jerk", name]["line"] in (3, 4)
+        jerk = worst["jerk", name]
+        assert jerk["where"] == "corner" and jerk["count"] == 2 and jerk["line"] in (3, 4)
     assert "times its limit in 2 corners, worst at line" in " ".join(printed(capsys, *part).split())
     part[part.index("fanuc")] = "lookahead"
     assert json.loads(printed(capsys, *part, "--json"))[0]["exceeded"] == []
+
+
+def test_the_optimum_is_planned_with_the_limits_that_the_control_exceeds_too(tmp_path, capsys):
+    """A line from rest to rest: LinuxCNC's acceleration begins within a cycle of 1 ms."""
+    (tmp_path / "part.ngc").write_text("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nM2\n")
+    part = [str(tmp_path / "part.ngc"), *MACHINE, "--model", "linuxcnc"]
+    (found,) = json.loads(printed(capsys, *part, "--json"))
+    limits = Machine.load("xyzac-trunnion").limits
+    acceleration, jerk = limits.acceleration[0], limits.jerk[0]
+    assert [each["kind"] for each in found["exceeded"]] == ["jerk"]
+    assert found["optimum_s"] == pytest.approx(duration(0.02, 0.1, acceleration, jerk)[1], rel=1e-3)
+    assert found["optimum_likewise_s"] == pytest.approx(
+        duration(0.02, 0.1, acceleration, acceleration / 1e-3)[1], rel=1e-3
+    )
+    page = " ".join(printed(capsys, *part).split())
+    assert "in the ramps of 1 block" in page and "likewise" in page
+
+
+def test_the_range_is_told_with_what_it_is_mostly_from(part, tmp_path, capsys):
+    (tmp_path / "mine.toml").write_text(
+        'name = "mine"\nlike = "linuxcnc"\n[time]\nmodel = "lookahead"\n[time.uncertainty]\n'
+        "acceleration = 1.0\njerk.X = 3.0\njerk.Y = 1.0\njerk.Z = [0.5, 2.0]\njerk.A = 1.0\njerk.C = 1.0\n"
+    )
+    mine = [part, *MACHINE, "--controller", str(tmp_path / "mine.toml"), "--no-optimum"]
+    assert main(["time", *mine]) == 2  # ends hold the figure itself, in mm/s^3
+    assert "jerk.Z: the figure, " in capsys.readouterr().err
+    (tmp_path / "mine.toml").write_text((tmp_path / "mine.toml").read_text().replace("[0.5, 2.0]", "1.0"))
+    (found,) = json.loads(printed(capsys, *mine, "--json"))
+    assert found["range_s"][0] < found["total_s"] < found["range_s"][1]
+    assert found["uncertain"][0]["figure"] == found["range_mostly_from"] == "jerk of X"
+    assert "with all figures off at once, mostly from jerk of X" in " ".join(printed(capsys, *mine).split())
+    assert " % to +" in printed(capsys, part, *mine)
+
+
+def test_one_measured_time_makes_a_controllers_file(part, tmp_path, capsys):
+    target = tmp_path / "mine.toml"
+    measured = [part, *MACHINE, "--model", "lookahead"]
+    said = printed(capsys, *measured, "--fit", "9.00 s", "--write-controller", str(target))
+    assert "jerk" in said and "times the machine's (" in said
+    (found,) = json.loads(printed(capsys, part, *MACHINE, "--controller", str(target), "--no-optimum", "--json"))
+    assert found["total_s"] == pytest.approx(9.00, abs=0.02)
+    (tmp_path / "times.txt").write_text("T1, 1:00\nT9, 2:00\n")
+    assert main(["time", *measured, "--fit", str(tmp_path / "times.txt")]) == 2
+    assert "the program has no operation 'T9' left" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -144,6 +197,9 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     timed = [str(tmp_path / "part.ngc"), *MACHINE, "--controller", str(target), "--no-optimum", "--json"]
     found = json.loads(printed(capsys, *timed))[0]
     assert found["total_s"] == pytest.approx(log.duration, rel=0.01)
+    least, most = found["range_s"]
+    # a row of the log is lost at each of six stops
+    assert least <= log.duration <= most + 6.0 * log.dt and most < 1.05 * least
     # what is there already is never replaced
     assert main(["time", *fit, "--write-controller", str(target)]) == 2
     assert "is there already" in capsys.readouterr().err

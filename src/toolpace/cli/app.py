@@ -210,12 +210,14 @@ def time_command(
         toolpace time first.nc second.nc -m my-mill.toml --controller my-control.toml --setup setup.toml
         toolpace time part.mpf -m xyzbc-head --model sinumerik --no-optimum --json
         toolpace time part.nc -m my-mill.toml --fit log.csv --write-controller my-control.toml
+        toolpace time part.nc -m my-mill.toml --fit 3:12
     """
     from toolpace.cli import arguments
     from toolpace.cli.commands import time
     from toolpace.jobs.timed import TimeRequest
 
-    within = arguments.tolerances(tolerances)
+    tip, axis = arguments.tolerances(tolerances)
+    usual = options.TOLERANCES_OF_PROGRAM
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     request = TimeRequest(
         machine=on,
@@ -223,13 +225,16 @@ def time_command(
         model=arguments.control_model(model),
         feed=arguments.feed_option(feed),
         dialect=dialect,
-        tolerances=within,
+        tolerances=(
+            None if (tolerances.tip_tolerance, tolerances.side) == (usual.tip_tolerance, usual.side) else tip,
+            None if tolerances.axis_tolerance == usual.axis_tolerance else axis,
+        ),
         optimum=not no_optimum,
     )
     if fit is not None:
         return time.run_fit(programs, fit, request, write_controller)
     if write_controller is not None:
-        raise UsageError("--write-controller goes with --fit LOG.csv: figures come from a log")
+        raise UsageError("--write-controller goes with --fit: figures come from a log or from measured times")
     return time.run_time(programs, request, json)
 
 

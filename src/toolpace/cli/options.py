@@ -258,8 +258,9 @@ FitLog = Annotated[
     str | None,
     Parameter(
         name="--fit",
-        help="Identify the figures of the control from a log (CSV) of the axis positions while it ran the program:"
-        " columns t [s] and joints [mm, deg].",
+        help="Find the figures of the control from what was measured while it ran the program: a log (CSV) of the axis"
+        " positions with columns t [s] and joints [mm, deg]; a list (text, CSV) of operations and their times; or one"
+        " time, like 3:12.",
     ),
 ]
 WriteController = Annotated[

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import ToolpaceError, printable
-from toolpace.common.units import MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
+    from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.program_time import ProgramTime
+    from toolpace.controls.timing.uncertainty import TimeRange
     from toolpace.machine.machine import Machine
     from toolpace.motion.operation_times import OperationTime
     from toolpace.programs.reading import ReadOptions, Source
@@ -36,6 +38,8 @@ class Timed:
     """The parts of the optimum."""
     optimum: float | None = None
     """[s], with the tool changes; None where it was not wanted."""
+    optimum_likewise: float | None = None
+    """The same with each limit as high as the control went; None where it exceeds none."""
     assumed: tuple[str, ...] = ()
     program_tolerance: tuple[float, float] | None = None
     """The least and the widest tolerance of the tip that the program asks for [m]; None where it asks for none."""
@@ -53,8 +57,8 @@ class TimeRequest:
     """In place of the controller's own."""
     feed: str | None
     dialect: str | None
-    tolerances: tuple[float | Tolerances, float | Tolerances]
-    """Of tip [m] and axis [rad], for the optimum."""
+    tolerances: tuple[float | Tolerances | None, float | Tolerances | None]
+    """Of tip [m] and axis [rad], for the optimum; None: those of the program, else those of its control."""
     optimum: bool
 
 
@@ -73,7 +77,14 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     """
     import numpy as np
 
-    from toolpace.controls.timing.program_time import figures_for, moves_of, of_operations, time_of_moves
+    from toolpace.controls.timing.exceeded import raised_limits
+    from toolpace.controls.timing.program_time import (
+        figures_for,
+        moves_of,
+        of_operations,
+        time_of_moves,
+        with_range,
+    )
     from toolpace.jobs.inspection import follow_as_planned
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
@@ -85,24 +96,30 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     with steps.step("moves") as step:
         moves = moves_of(source, request.machine, options, request.feed, request.dialect, findings)
         step.note = f"{program}: {moves.blocks} blocks, {len(moves)} moves"
-    best: tuple[OperationTime, ...] = ()
+    change, waits_only = options.setup.tool_change, len(moves) < 2
     planned = request.optimum or figures.model == "ideal"
-    waits_only = len(moves) < 2
-    if not waits_only:
-        task = planned_job(source, replace(request, options=options))
-        if planned:
-            best = optimum_of(task, steps)
-        else:
-            toolpath = job.read_program(task, steps)
-            with with_cure_of_zero(toolpath.assumed):
-                follow_as_planned(request.machine, toolpath)
-    change = options.setup.tool_change
+    task = planned_job(source, replace(request, options=options), figures)
+    best: tuple[OperationTime, ...] = ()
+    if planned and not waits_only:
+        best = optimum_of(task, steps)
+    elif not waits_only:
+        toolpath = job.read_program(task, steps)
+        with with_cure_of_zero(toolpath.assumed):
+            follow_as_planned(request.machine, toolpath)
     if figures.model == "ideal" and not waits_only:
         time = of_operations(best, moves, change)
     else:
         time = time_of_moves(moves, request.machine, figures, change)
+        with steps.step("range"):
+            time = with_range(time, moves, request.machine, figures)
+    changes = time.sum("tool_change")
+    likewise = None
+    if best and time.exceeded:
+        raised = request.machine.with_limits(raised_limits(request.machine, time.exceeded))
+        steps.say("optimum with the limits that the control exceeds as high as it goes")
+        likewise = sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + changes
     tolerances = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
-    least = sum(each.time for each in best) + time.sum("tool_change") if best else None
+    least = sum(each.time for each in best) + changes if best else None
     return Timed(
         program,
         control=found.controller.name if found.controller is not None else "",
@@ -111,15 +128,20 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         time=time,
         best=best,
         optimum=time.total if planned and waits_only else least,
+        optimum_likewise=likewise,
         assumed=findings.assumptions,
         program_tolerance=(float(tolerances.min()), float(tolerances.max())) if len(tolerances) else None,
         model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
     )
 
 
-def planned_job(source: Source, request: TimeRequest) -> job.Job:
-    """The program as `plan` would have it, without a place for the results."""
+def planned_job(source: Source, request: TimeRequest, figures: ControlFigures) -> job.Job:
+    """The program as `plan` would have it, within the tolerances of the control, without a place for the results."""
+    from toolpace.programs.tolerances import Tolerances
+
     tip, axis = request.tolerances
+    tip = Tolerances(figures.room, program=True) if tip is None else tip
+    axis = Tolerances(figures.axis_tolerance * DEGREE, program=True) if axis is None else axis
     return job.Job(
         program=Path(source.name), machine=request.machine, out=Path(), tip_tolerance=tip, axis_tolerance=axis,
         feed=request.feed, dialect=request.dialect, options=request.options, source=source,
@@ -145,7 +167,8 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
     if time is None:
         return entry | {"error": printable(found.error), "total_s": None, "optimum_s": None}
     entry |= {"controller": found.control, "model": found.model, "blocks": found.blocks}
-    entry |= {"total_s": time.total, "optimum_s": found.optimum}
+    entry |= {"total_s": time.total, "optimum_s": found.optimum, "optimum_likewise_s": found.optimum_likewise}
+    entry |= _range_record(time.range)
     entry |= {f"{kind}_s": time.sum(kind) for kind in KINDS}
     tools: dict[str, float] = {}
     for part in time.parts:
@@ -166,8 +189,23 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
     tolerances = found.program_tolerance
     entry["program_tolerance_mm"] = None if tolerances is None else [each / MILLIMETRE for each in tolerances]
     entry["exceeded"] = [
-        {"kind": each.kind, "axis": each.axis, "ratio": each.ratio, "corners": each.corners, "line": each.line}
+        {
+            "kind": each.kind,
+            "axis": each.axis,
+            "ratio": each.ratio,
+            "where": each.where,
+            "count": each.count,
+            "line": each.line,
+        }
         for each in time.exceeded
     ]
     entry["assumed"] = [printable(sentence) for sentence in found.assumed]
     return entry
+
+
+def _range_record(found: TimeRange | None) -> dict[str, object]:
+    """The range of a control's time; null of the optimum, which is exact."""
+    if found is None:
+        return {"range_s": None, "range_mostly_from": None, "uncertain": []}
+    effects = [{"figure": each.figure, "range_s": [each.least, each.most]} for each in found.effects]
+    return {"range_s": [found.least, found.most], "range_mostly_from": found.mostly or None, "uncertain": effects}

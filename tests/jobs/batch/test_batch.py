@@ -120,6 +120,8 @@ def test_inspect_time_and_export(parts, tmp_path, capsys):
         == 0
     )
     row = table(tmp_path / "timed")["one.ngc"]
+    # the program's own tolerance, or its control's
+    assert row["tip_tolerance_mm"] is None and row["axis_tolerance_deg"] is None
     assert row["duration_s"] > row["optimum_s"] > 0.0
     for what in ("inspected", "exported", "timed"):
         capsys.readouterr()

@@ -51,10 +51,12 @@ class Each:
     """What each job is planned with; each of these may be given several times, for a job with each."""
 
     tip_tolerance: Annotated[
-        list[str] | None, Parameter(negative="", help="Tolerance of the tip; 0.01mm by default.")
+        list[str] | None,
+        Parameter(negative="", help="Tolerance of the tip; by default 0.01mm, or with --what time the program's."),
     ] = None
     axis_tolerance: Annotated[
-        list[str] | None, Parameter(negative="", help="Tolerance of the tool axis; 0.05deg by default.")
+        list[str] | None,
+        Parameter(negative="", help="Tolerance of the tool axis; by default 0.05deg, or the program's as of the tip."),
     ] = None
     planner: Annotated[
         list[str] | None, Parameter(negative="", help="optimal (default), genetic or second-order.")
@@ -111,13 +113,11 @@ class BatchRequest:
 
         each, named = self.each, self._programs()
         job = self._job()
-        tips = [
-            arguments.even_tolerances(options.Tolerances(tip_tolerance=tip))[0]
-            for tip in each.tip_tolerance or [options.TIP_TOLERANCE]
+        tips: list[float | None] = [
+            arguments.even_tolerances(options.Tolerances(tip_tolerance=tip))[0] for tip in each.tip_tolerance or ()
         ]
-        axes = [
-            arguments.even_tolerances(options.Tolerances(axis_tolerance=axis))[1]
-            for axis in each.axis_tolerance or [options.AXIS_TOLERANCE]
+        axes: list[float | None] = [
+            arguments.even_tolerances(options.Tolerances(axis_tolerance=axis))[1] for axis in each.axis_tolerance or ()
         ]
         planners = [arguments.planner_named(name) for name in each.planner or ["optimal"]]
         efforts = [arguments.effort_named(name) for name in each.effort or ["normal"]]
@@ -125,7 +125,7 @@ class BatchRequest:
         on: list[str | None] = [*self.machines] or [None]
         if not self.machines and self.what != "inspect":
             arguments.machine_named(None)
-        combinations = itertools.product(named, on, tips, axes, planners, efforts, feeds)
+        combinations = itertools.product(named, on, tips or [None], axes or [None], planners, efforts, feeds)
         return [
             job(
                 program=program, machine=machine, tip_tolerance=tip, axis_tolerance=axis, planner=planner,

@@ -24,8 +24,9 @@ from toolpace.common.units import format_length, format_time
 from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
 
 if TYPE_CHECKING:
+    from toolpace.controls.fitting.least_squares import Fit
     from toolpace.controls.timing.figures import ControlFigures
-    from toolpace.controls.timing.identify import Identified
+    from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.programs.reading import Controller
 
 MODELS = {
@@ -83,18 +84,40 @@ def _show_page(console: Console, found: Timed, machine: str) -> None:
         ("machine", machine),
         ("control", f"{found.control or 'none named'}; model {found.model}: {MODELS[found.model]}"),
         ("time", format_time(time.total)),
+        *_range(time),
         *((kind.replace("_", " "), format_time(time.sum(kind))) for kind in KINDS if time.sum(kind) > 0.0),
     ]
     rows.append(("tolerance", _tolerance(found)))
-    rows += [("exceeds" if k == 0 else "", str(each)) for k, each in enumerate(time.exceeded)]
     if found.optimum is not None:
         rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time.total, found.optimum)}"))
+    rows += [("exceeds" if k == 0 else "", str(each)) for k, each in enumerate(time.exceeded)]
+    if found.optimum_likewise is not None:
+        likewise = f"{format_time(found.optimum_likewise)}, {_saving(time.total, found.optimum_likewise)}"
+        rows.append(("likewise", f"{likewise}: the optimum with these limits exceeded as far"))
     rows += [("assumed" if k == 0 else "", sentence) for k, sentence in enumerate(found.assumed)]
     for name, text in rows:
         grid.add_row(name, Text(printable(text), style="bold" if name == "time" else ""))
     console.print(grid)
     if len(time.parts) > 1:
         _show_parts(console, found)
+
+
+def _range(time: ProgramTime) -> list[tuple[str, str]]:
+    """Between which times, and from what: none of the optimum, nor where no figure of the control matters."""
+    found = time.range
+    if found is None or not found.most > found.least:
+        return []
+    between = f"{format_time(found.least)} to {format_time(found.most)} ({_percents(time)})"
+    between += " with all figures off at once"
+    return [("range", f"{between}, mostly from {found.mostly}" if found.mostly else between)]
+
+
+def _percents(time: ProgramTime) -> str:
+    """By how much less or more it may be."""
+    if time.range is None:
+        return "-"
+    ends = time.range.least, time.range.most
+    return " to ".join(f"{100.0 * (end / time.total - 1.0):+.1f} %" for end in ends)
 
 
 def _show_parts(console: Console, found: Timed) -> None:
@@ -117,7 +140,8 @@ def _show_parts(console: Console, found: Timed) -> None:
 
 def _show_table(console: Console, found: Sequence[Timed]) -> None:
     both = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
-    headings = ["program", "control", "model", "time", "cutting", "rapid", *(["optimum", "saving"] if both else [])]
+    headings = ["program", "control", "model", "time", "range", "cutting", "rapid"]
+    headings += ["optimum", "saving"] if both else []
     table = new_table(headings, left=("program", "control", "model"))
     for column in table.columns:
         column.no_wrap = column.justify == "right"
@@ -128,13 +152,14 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
             table.add_row(Text(printable(name), style="red"), *["-"] * (len(headings) - 1))
             continue
         time = each.time
-        times = [format_time(seconds) for seconds in (time.total, time.sum("cutting"), time.sum("rapid"))]
+        parts = [format_time(seconds) for seconds in (time.sum("cutting"), time.sum("rapid"))]
+        times = [format_time(time.total), _percents(time), *parts]
         words = [name, each.control or "-", each.model, *times, *(_optimum(time.total, each.optimum) if both else ())]
         table.add_row(*cells(words))
     if len(both) > 1:
         total, optimum = (sum(column) for column in zip(*both))
         table.add_section()
-        table.add_row("all with an optimum", "", "", format_time(total), "", "", *_optimum(total, optimum))
+        table.add_row("all with an optimum", "", "", format_time(total), "", "", "", *_optimum(total, optimum))
     console.print(table)
     if any(optimum > total for total, optimum in both):
         console.print(f"saving below zero: {FASTER}", soft_wrap=True)
@@ -168,17 +193,17 @@ def _saving(total: float, optimum: float) -> str:
     return f"{-100.0 * share:.1f} % more: {FASTER}"
 
 
-def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | None) -> int:
-    """Find the figures from a log of one program, and print them. Raises ToolpaceError."""
+def run_fit(programs: list[str], measured: str, request: TimeRequest, write: str | None) -> int:
+    """Find the figures from what was measured of one program, and print them. Raises ToolpaceError."""
     from toolpace.cli import arguments
     from toolpace.common.files import write_text
-    from toolpace.controls.timing.identify import identify, load_log
+    from toolpace.controls.fitting.fit import fit_measured
     from toolpace.controls.timing.program_time import figures_for, moves_of
     from toolpace.programs.reading import Source
     from toolpace.programs.reading.languages import with_controller
 
     if len(programs) != 1:
-        raise UsageError(f"--fit {log}: is the log of one program; give that program alone")
+        raise UsageError(f"--fit {measured}: is measured of one program; give that program alone")
     target = arguments.file_for_result("--write-controller", write)
     source = Source.load(programs[0])
     options, found = with_controller(source, request.dialect, request.options)
@@ -189,12 +214,11 @@ def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | No
     steps = Steps(console)
     with steps.step("reading") as step:
         moves = moves_of(source, request.machine, options, request.feed, request.dialect)
-        logged = load_log(log, request.machine)
-        step.note = f"{programs[0]}: {len(moves)} moves, {len(logged.q)} rows of the log"
+        step.note = f"{programs[0]}: {len(moves)} moves"
     with steps.step("fitting"):
-        identified = identify(moves, request.machine, logged, figures)
-    _say(steps, identified)
-    text = controller_text(found.controller, identified.figures, target.stem if target is not None else "")
+        fitted = fit_measured(measured, moves, request.machine, figures, options.setup.tool_change)
+    _say(steps, fitted)
+    text = controller_text(found.controller, fitted.figures, target.stem if target is not None else "")
     if target is None:
         console.print(Text(text), soft_wrap=True)
     else:
@@ -203,11 +227,15 @@ def run_fit(programs: list[str], log: str, request: TimeRequest, write: str | No
     return 0
 
 
-def _say(steps: Steps, found: Identified) -> None:
-    steps.say(f"the log takes {format_time(found.logged)}, the model {format_time(found.modelled)}")
-    steps.say(f"along the program they differ by {format_time(found.misfit)} (root mean square)")
-    if found.misfit > POOR * found.logged:
-        steps.say("that is a lot: is it the log of this program? Does another --model fit better?")
+def _say(steps: Steps, found: Fit) -> None:
+    steps.say(f"measured {format_time(found.measured)}, the model takes {format_time(found.modelled)}")
+    steps.say(f"on the way they differ by {format_time(found.misfit)} (root mean square)")
+    for each in found.fitted:
+        steps.say(str(each))
+    if not found.fitted:
+        steps.say("the measured times tell of no figure more than was known")
+    if found.misfit > POOR * found.measured:
+        steps.say("that is a lot: was it measured of this program? Does another --model fit better?")
 
 
 def controller_text(controller: Controller | None, figures: ControlFigures, name: str) -> str:
@@ -218,12 +246,19 @@ def controller_text(controller: Controller | None, figures: ControlFigures, name
 
     table = msgspec.to_builtins(figures)
     usual = msgspec.to_builtins(type(figures)())
-    time = {key: value for key, value in table.items() if key == "model" or value != usual[key]}
+    time = {key: _changed(value, usual[key]) for key, value in table.items() if key == "model" or value != usual[key]}
     head: dict[str, object] = {} if controller is None else {"name": name or f"my-{controller.name}"}
     if controller is not None:
         base = controller.like or controller.name
         head["like"] = base if base in controller.names() else ""
     return toml_text(head | {"time": {key: _rounded(value) for key, value in time.items()}})
+
+
+def _changed(value: object, usual: object) -> object:
+    """Of a maker's table the figures that differ from the usual ones."""
+    if isinstance(value, dict) and isinstance(usual, dict):
+        return {key: each for key, each in value.items() if each != usual.get(key)}
+    return value
 
 
 def _rounded(value: object) -> object:

@@ -25,6 +25,12 @@ class MotionProfile(NamedTuple):
     """(n,) time of each move [s], dwells left out."""
     corner: Floats
     """(n,) speed at the end of each move, of the tip [m/s] or in place [rad/s]; nan where the model does not tell."""
+    acceleration: Floats
+    """(n,) along each move, where its speed changes."""
+    jerk: Floats
+    """(n,) the same; inf where none is kept."""
+    ways: AxisWays | None = None
+    """Of moves that go along one line with their neighbours; None where each goes its own way."""
 
 
 def rests(moves: Commanded) -> Bools:
@@ -77,7 +83,7 @@ def profile_along(
     times, speeds = np.zeros(len(length)), np.zeros(len(length))
     rows = np.flatnonzero(length > 0.0)
     if not len(rows):
-        return MotionProfile(times, speeds)
+        return MotionProfile(times, speeds, acceleration, jerk)
     ends = np.minimum.reduceat(np.minimum(corner, MOST_SPEED), rows)
     ends[-1] = 0.0
     ways, most = length[rows], np.minimum(acceleration[rows], MOST_ACCELERATION)
@@ -85,4 +91,4 @@ def profile_along(
     if look_ahead:
         ends = np.minimum(ends, stoppable_speeds(ways, most, sharpest, look_ahead))
     times[rows], speeds[rows] = profile_of_chain(ways, np.minimum(feed[rows], MOST_SPEED), ends, most, sharpest)
-    return MotionProfile(times, speeds)
+    return MotionProfile(times, speeds, acceleration, jerk)

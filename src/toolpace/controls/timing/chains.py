@@ -93,8 +93,8 @@ def profile_along_chains(
     chains = Chains.of_moves(ways, moves, stop, merging_of(moves, figures), way)
     if not chains.joined.any():
         return apart
-    chains = chains.faster(apart.times, driven(*chains.straight()).times)
-    return driven(*chains.straight())
+    straight = chains.faster(apart.times, driven(*chains.straight()).times).straight()
+    return driven(*straight)._replace(ways=straight[0])
 
 
 def merging_of(moves: Commanded, figures: ControlFigures) -> Floats:

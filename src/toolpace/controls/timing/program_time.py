@@ -11,14 +11,16 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
+from toolpace.controls.timing.axis_motion import axis_ways
 from toolpace.controls.timing.blocks import MotionProfile, rests, room_of
 from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
 from toolpace.controls.timing.fanuc import fanuc_profile
 from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
 from toolpace.controls.timing.heidenhain import heidenhain_profile
-from toolpace.controls.timing.linuxcnc import linuxcnc_times
+from toolpace.controls.timing.linuxcnc import FAR, LinuxCNC, linuxcnc_times
 from toolpace.controls.timing.lookahead import lookahead_profile
 from toolpace.controls.timing.sinumerik import sinumerik_profile
+from toolpace.controls.timing.uncertainty import TimeRange, time_range
 from toolpace.programs.commanded import BLENDED, Commanded
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source
 from toolpace.programs.reading.coordinates.setup import SetUp
@@ -33,15 +35,28 @@ if TYPE_CHECKING:
     from toolpace.programs.toolpath import Operation
 
 Model = Callable[[Commanded, "Machine", ControlFigures], MotionProfile]
+LONG = 20_000
+"""Moves of a program from which its range is worked out with fewer trials: each takes a second at 100 000."""
 STILL = 1e-12
 """Way of the tip [m] below which it stands."""
 
 
 def _linuxcnc_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
-    """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
+    """LinuxCNC with the limits and the tolerance of the figures, where they have any.
+
+    The first R of G64 chooses the planner for the whole program: it belongs at its beginning, and waits for rest.
+    """
     rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    times = linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
-    return MotionProfile(times, np.full(len(times), np.nan))
+    own, limits = figures.linuxcnc, limits_of(machine, figures)
+    words = moves.dynamics[np.isfinite(moves.dynamics[:, 3]), 3]
+    planner, scale = (own.planner, own.peak_scale) if not len(words) else (int(words[0] > 0.0), float(words[0]) or 1.0)
+    settings = LinuxCNC(
+        own.cycle, own.path_velocity or FAR, planner=planner, path_jerk=own.path_jerk, peak_scale=scale
+    )
+    times = linuxcnc_times(rounded, machine.with_limits(limits), settings)
+    ways = axis_ways(moves, machine, joints=False)
+    jerk = ways.along(limits.jerk) if planner else np.full(len(times), np.inf)
+    return MotionProfile(times, np.full(len(times), np.nan), ways.along(limits.acceleration), jerk)
 
 
 MODELS: dict[str, Model] = {
@@ -82,7 +97,9 @@ class ProgramTime:
     times: Floats
     """(n,) of each move, with its dwell [s]; empty where moves are not told apart."""
     exceeded: tuple[ExceededLimit, ...] = ()
-    """Limits of axes that the control exceeds at corners, by the rules of its maker."""
+    """Limits of the machine's joints that the control exceeds, by the rules of its maker."""
+    range: TimeRange | None = None
+    """Between which times the total is, by the uncertainty of the control's figures; None where that is not told."""
 
     @property
     def total(self) -> float:
@@ -104,6 +121,18 @@ def time_of_moves(moves: Commanded, machine: Machine, figures: ControlFigures, t
     profile = MODELS[figures.model](moves, machine, figures)
     exceeded = exceeded_limits(moves, machine, figures, profile)
     return ProgramTime(tuple(parts_of(moves, profile.times, tool_change)), profile.times + moves.dwell, exceeded)
+
+
+def with_range(time: ProgramTime, moves: Commanded, machine: Machine, figures: ControlFigures) -> ProgramTime:
+    """The time with its range: the moves are timed again with each uncertain figure at both ends."""
+    waits = time.sum("dwell") + time.sum("tool_change")
+    if len(moves) < 2:
+        return replace(time, range=TimeRange(waits, waits))
+
+    def total(changed: ControlFigures) -> float:
+        return float(MODELS[changed.model](moves, machine, changed).times.sum()) + waits
+
+    return replace(time, range=time_range(total, machine, figures, time.total, thorough=len(moves) < LONG))
 
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
@@ -176,7 +205,8 @@ def program_time(
     if figures.model == "ideal":
         raise UsageError("the model ideal is the fastest motion: its time is plan(path, machine).duration")
     moves = moves_of(source, machine, options, feed, dialect)
-    return time_of_moves(moves, machine, figures, options.setup.tool_change)
+    time = time_of_moves(moves, machine, figures, options.setup.tool_change)
+    return with_range(time, moves, machine, figures)
 
 
 def figures_for(options: ReadOptions, model: str | None) -> ControlFigures:
@@ -237,8 +267,9 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
         stop=toolpath.stop,
         joining=np.full(count, BLENDED),
         tolerance=np.full(count, np.inf),
+        axis_tolerance=np.full(count, np.nan),
         cam_tolerance=np.full(count, np.nan),
-        dynamics=np.full((count, 3), np.nan),
+        dynamics=np.full((count, 4), np.nan),
         dwell=toolpath.dwell,
         operation=toolpath.operation,
         operations=toolpath.operations,

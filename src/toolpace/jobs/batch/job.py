@@ -56,10 +56,10 @@ class BatchJob:
     """A name, a machine file or a Machine; may be left out of `inspect` only: all built-in ones are tried then."""
     what: str = "plan"
     """plan; time: on its control, and the optimum; inspect: what it asks for; export: plan, and files for a control."""
-    tip_tolerance: float = 0.01 * MILLIMETRE
-    """[m]"""
-    axis_tolerance: float = 0.05 * DEGREE
-    """[rad]"""
+    tip_tolerance: float | None = None
+    """[m]. None: that of the program, else of its control, for `time`, and 0.01 mm for all else."""
+    axis_tolerance: float | None = None
+    """[rad]. None: as of the tip, and 0.05 deg."""
     planner: str = "optimal"
     effort: str = "normal"
     """How much is done for a path that may be passed fast: low, normal or high."""
@@ -105,8 +105,14 @@ class BatchJob:
         refuse_unknown("what", self.what, KINDS)
         refuse_unknown("planner", self.planner, tuple(PLANNERS))
         refuse_unknown("effort", self.effort, EFFORTS)
-        refuse_beyond("tip_tolerance", self.tip_tolerance, TIP_TOLERANCES, format_length)
-        refuse_beyond("axis_tolerance", self.axis_tolerance, AXIS_TOLERANCES, format_angle)
+        for name, usual, bounds, show in (
+            ("tip_tolerance", 0.01 * MILLIMETRE, TIP_TOLERANCES, format_length),
+            ("axis_tolerance", 0.05 * DEGREE, AXIS_TOLERANCES, format_angle),
+        ):
+            if getattr(self, name) is None and self.what != "time":
+                object.__setattr__(self, name, usual)
+            if getattr(self, name) is not None:
+                refuse_beyond(name, getattr(self, name), bounds, show)
         refuse_beyond("dt", self.dt, TIME_STEPS, format_time)
         if self.tool_length is not None:
             refuse_other_unit(self.tool_length, LONGEST_TOOL, "tool_length", METRES)
@@ -160,8 +166,9 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
     what: str
     planner: str
     effort: str
-    tip_tolerance_mm: float
-    axis_tolerance_deg: float
+    tip_tolerance_mm: float | None
+    """Null: that of the program, or of its control."""
+    axis_tolerance_deg: float | None
     feed: str | None = None
     verdict: str = WAITING
     """verified or failed (plan, export), timed, read; error; not run."""
@@ -217,8 +224,8 @@ def waiting(job: BatchJob) -> BatchRow:
         what=job.what,
         planner=job.planner,
         effort=job.effort,
-        tip_tolerance_mm=job.tip_tolerance / MILLIMETRE,
-        axis_tolerance_deg=job.axis_tolerance / DEGREE,
+        tip_tolerance_mm=None if job.tip_tolerance is None else job.tip_tolerance / MILLIMETRE,
+        axis_tolerance_deg=None if job.axis_tolerance is None else job.axis_tolerance / DEGREE,
         feed=job.feed,
         report=job.report or job.what not in ("plan", "export"),
     )

@@ -84,6 +84,7 @@ def _plan(folder: Path, prepared: Prepared) -> BatchRow:
     from toolpace.jobs import job as jobs
 
     job = prepared.job
+    assert job.tip_tolerance is not None and job.axis_tolerance is not None
     task = jobs.Job(
         program=Path(prepared.path),
         machine=prepared.machine,

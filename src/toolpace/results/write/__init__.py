@@ -6,6 +6,7 @@ import math
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -14,6 +15,7 @@ import numpy as np
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_file, whole_folder
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.files.set_point_files import (
     COMPACT_FILE,
     FULL_FILE,
@@ -21,16 +23,19 @@ from toolpace.motion.files.set_point_files import (
     file_of,
     form_of,
     set_points_file,
-    write_set_points,
 )
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import SetPointSource, in_memory
+from toolpace.motion.trajectory import Trajectory
+from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
     SETUP,
     TOOL,
     PlanResult,
+    SetPointDigest,
     bent_tool,
     copy_name,
     read_again,
@@ -40,8 +45,8 @@ from toolpace.results.write.result import (
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
-    "write_folder",
+    "PlanResult", "SetPointDigest", "bent_tool", "digest_of", "read_again", "read_plan", "reading_record",
+    "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
 TABLE = "setpoints.csv"
@@ -55,7 +60,7 @@ _KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s
 """What a column holds, the field of SetPoints, and what its unit is divided by."""
 
 
-def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], list[float]]:
+def columns(setpoints: SetPointSource, machine: Machine | None) -> tuple[list[str], list[float]]:
     """Names with units, and the factors from SI, of all columns but the last (block)."""
     rotary = machine.is_rotary if machine is not None else [None] * len(setpoints.joints)
     units = [("", 1.0) if r is None else ("deg", 180.0 / math.pi) if r else ("mm", 1e3) for r in rotary]
@@ -71,25 +76,25 @@ def columns(setpoints: SetPoints, machine: Machine | None) -> tuple[list[str], l
     return names, factors
 
 
-def write_csv(path: str | os.PathLike[str], setpoints: SetPoints, machine: Machine | None = None) -> None:
+def write_csv(path: str | os.PathLike[str], setpoints: SetPointSource, machine: Machine | None = None) -> None:
     """Write the table, whole or not at all: time, positions, velocities, accelerations, jerks, tip, axis,
     block.
 
     Fifteen digits: a jerk found by differences of positions at 1 ms needs them.
     """
     names, factors = columns(setpoints, machine)
-    parts = [setpoints.t[:, None], setpoints.q, setpoints.qd, setpoints.qdd, setpoints.qddd]
-    parts += [setpoints.tip, setpoints.axis] if setpoints.has_tool else []
     form = "%.15g," * len(names) + "%d\n"
     scale = np.array(factors)
     with whole_file(path) as temporary, temporary.open("w", encoding="ascii", newline="") as stream:
         stream.write(",".join([*names, "block"]) + "\n")
         for start in range(0, len(setpoints), CHUNK):
-            rows = slice(start, start + CHUNK)
+            points = setpoints.rows(start, min(start + CHUNK, len(setpoints)))
+            parts = [points.t[:, None], points.q, points.qd, points.qdd, points.qddd]
+            parts += [points.tip, points.axis] if points.has_tool else []
             # Zero has no sign.
-            values = np.hstack([part[rows] for part in parts]) * scale + 0.0
+            values = np.hstack(parts) * scale + 0.0
             # Block numbers are exact in double precision, so that one format serves the whole row.
-            table = np.column_stack((values, setpoints.block[rows]))
+            table = np.column_stack((values, points.block))
             stream.write((form * len(table)) % tuple(table.ravel().tolist()))
 
 
@@ -115,13 +120,20 @@ def write_folder(
     """
     tell = progress or (lambda share: None)
     began = time.perf_counter()
+    digest = result.digest
+    if digest is None:
+        digest = digest_of(result.machine, result.trajectory, result.setpoints, result.toolpath, report=report, npz=npz)
+        each_block(result.setpoints, (digest.take,))
+        result = replace(result, digest=digest)
     record = result.record()
     with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         form = form_of(npz, len(result.setpoints), len(result.machine.joints))
-        # who reads them has the machine of the file, whose figures were rounded to decimals
-        write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
+        if digest.packed is not None:
+            digest.packed.write(folder / COMPACT_FILE)
+        elif form == "full":
+            in_memory(result.setpoints).save(folder / FULL_FILE)
         if form != "no" and is_writable(result.trajectory.axis_path, result.trajectory.laws):
             write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
@@ -137,13 +149,36 @@ def write_folder(
             from toolpace.results.report import write_report
 
             write_report(
-                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record
-            )
+                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record,
+                digest.curves,
+            )  # fmt: skip
         steps = {**record.step_s, WRITING: time.perf_counter() - began}
         record = msgspec.structs.replace(record, step_s=steps)
         write_plan(folder / PLAN, record)
         tell(1.0)
     return record
+
+
+def digest_of(
+    machine: Machine,
+    trajectory: Trajectory,
+    source: SetPointSource,
+    toolpath: ToolPath | None,
+    *,
+    report: bool,
+    npz: str,
+) -> SetPointDigest:
+    """What will take the set-points of a plan for its folder; see `write_folder`."""
+    curves = packed = None
+    if report:
+        from toolpace.results.report.charts import Curves
+        from toolpace.results.report.page import units_of
+
+        curves = Curves(source, trajectory.limits, units_of(trajectory.axis_path.machine, source.joints), toolpath)
+    if form_of(npz, len(source), len(machine.joints)) == "compact":
+        # who reads them has the machine of the file, whose figures were rounded to decimals
+        packed = CompactWriter(source, Machine.from_toml(machine.to_toml()))
+    return SetPointDigest(packed, curves)
 
 
 def copy_program(result: PlanResult, copy: Path) -> None:

@@ -12,7 +12,6 @@ import msgspec
 
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
-from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.tolerances import Tolerances
 
 if TYPE_CHECKING:
@@ -288,10 +287,3 @@ def largest_finite(deviations: Sequence[float], scale: float) -> float | None:
     """The largest known one, times a scale; None where none is known."""
     measured = [float(value) * scale for value in deviations if math.isfinite(value)]
     return max(measured) if measured else None
-
-
-def tip_length(setpoints: SetPoints) -> float | None:
-    """Length of the way of the tip [mm]; None where there is no tool."""
-    if not setpoints.has_tool:
-        return None
-    return float(setpoints.tip_steps.sum()) * 1e3

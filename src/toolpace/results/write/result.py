@@ -14,8 +14,10 @@ from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.operation_times import operation_times
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import Block, SetPointSource
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
@@ -34,7 +36,6 @@ from toolpace.results.write.plan_json import (
     operation_records,
     printable_counts,
     share_at_tolerance,
-    tip_length,
     usage_record,
     widest,
 )
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from toolpace.motion.trajectory import Trajectory
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.report.charts import Curves
 
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 TOOL = "tool.toml"
@@ -71,6 +73,41 @@ class Fitted(Protocol):
         """[s]"""
 
 
+class SetPointDigest:
+    """What the folder of a plan holds of its set-points: the way of the tip, and where they are wanted the packed
+    set-points and the curves of the report.
+
+    Takes the set-points block by block, in any order and in any thread.
+    """
+
+    def __init__(self, packed: CompactWriter | None = None, curves: Curves | None = None) -> None:
+        self.packed, self.curves = packed, curves
+        self._lengths: dict[int, float] = {}
+
+    @classmethod
+    def of(
+        cls, source: SetPointSource, packed: CompactWriter | None = None, curves: Curves | None = None
+    ) -> SetPointDigest:
+        """That of all set-points."""
+        digest = cls(packed, curves)
+        each_block(source, (digest.take,))
+        return digest
+
+    def take(self, block: Block) -> None:
+        """Look at a block."""
+        if block.near.has_tool:
+            begin = block.begin - block.first
+            self._lengths[block.begin] = float(block.near.tip_steps[begin : begin + block.end - block.begin].sum())
+        for each in (self.packed, self.curves):
+            if each is not None:
+                each.take(block)
+
+    @property
+    def length(self) -> float:
+        """Of the way of the tip [m]."""
+        return sum(self._lengths[begin] for begin in sorted(self._lengths))
+
+
 @dataclass(frozen=True, kw_only=True)
 class PlanResult:
     """A plan with its set-points and its verification, and what was asked for, so that it can be judged by files alone.
@@ -80,7 +117,9 @@ class PlanResult:
 
     trajectory: Trajectory
     machine: Machine
-    setpoints: SetPoints
+    setpoints: SetPointSource
+    digest: SetPointDigest | None = None
+    """What the folder holds of the set-points, where these have been gone through already."""
     toolpath: ToolPath | None = None
     path: Fitted | None = None
     effort: str = "low"
@@ -123,7 +162,8 @@ class PlanResult:
         tip = widest(self.tip_tolerance, toolpath, "tip")
         axis = widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
-        t = self.setpoints.t
+        t, digest = self.setpoints.t, self.digest
+        length = digest.length if digest is not None else SetPointDigest.of(self.setpoints).length
         return PlanRecord(
             duration_s=float(trajectory.duration),
             lower_bound_s=bound,
@@ -143,7 +183,7 @@ class PlanResult:
             planner=trajectory.planner,
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
             set_points=len(self.setpoints),
-            path_length_mm=tip_length(self.setpoints),
+            path_length_mm=length * 1e3 if self.setpoints.has_tool else None,
             tip_tolerance_mm=tip * 1e3 if tip is not None else None,
             axis_tolerance_deg=math.degrees(axis) if axis is not None else None,
             tip_tolerances=by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),

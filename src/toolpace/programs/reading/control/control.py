@@ -209,6 +209,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         stop=stop,
         joining=joining[:, 0].astype(np.int64),
         tolerance=blending,
+        axis_tolerance=table.tolerance[kept, 1],
         cam_tolerance=joining[:, 2],
         dynamics=table.dynamics[kept],
         dwell=np.add.reduceat(table.dwell, kept),

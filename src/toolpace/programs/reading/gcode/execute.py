@@ -74,6 +74,7 @@ class Executor:
         self.variables.increment = lambda letter: increment(letter, state.unit)
         self.variables.say = control.findings.assumed
         self.rs274 = by.option("rs274_checks", False)
+        self.planner_by_r = by.option("planner_by_r", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
         self.macros = Macros(control, state, self.motion, self.calls, by)
@@ -184,7 +185,8 @@ class Executor:
         for letter in numbers.keys() & WHOLE | ({"P"} if "G10" in block.words and "P" in numbers else set()):
             numbers[letter] = near_whole(numbers[letter], 1e-4)
         if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
-            for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
+            letters = numbers.keys() - ({"R"} if self.planner_by_r and "G64" in block.words else set())
+            for letter, alarm in alarms.of_letters(letters, block.words, state.motion_word):
                 numbers.pop(letter, None)
                 self.control.findings.stops(alarm.what, self.control.line, alarm.cure)
         alarms.refuse_motionless(numbers.keys(), block.words, state.motion_word)

@@ -41,6 +41,7 @@ class Modes:
         self.control, self.state, self.holes = control, state, holes
         self.cycles_apart = by.option("cycles_are_a_group", False)
         self.rs274 = by.option("rs274_checks", False)
+        self.planner_by_r = by.option("planner_by_r", False)
         self.dwell_whole: float = by.option("dwell_whole_s", 1.0)
         self.dwell_point: float = by.option("dwell_point_s", 1.0)
         self.fanuc = by.option("fanuc_checks", False)
@@ -145,6 +146,8 @@ class Modes:
     def _continuous(self, numbers: Numbers, word: str) -> None:
         self.state.exact_stop = False
         unit = self.state.unit
+        if self.planner_by_r and "R" in numbers and numbers.keys().isdisjoint("XYZABCUVWIJK"):
+            self._smooth(numbers.pop("R"))
         tolerance = self._taken(numbers, "P", self.state.arc_here or self._drills())
         cam_tolerance = self._taken(numbers, "Q", self._drills())
         self.control.moves.join(
@@ -159,6 +162,10 @@ class Modes:
         if tolerance is not None or cam_tolerance is not None:
             # noted, and obeyed where that is asked for
             self.control.findings.ignored(f"{word} P")
+
+    def _smooth(self, share: float) -> None:
+        """R of G64: the planner without limit of jerk, or that with one and its share of speeds at corners."""
+        self.control.moves.drive(smooth=min(max(share, 0.1), 1.0) if share > 0.0 else 0.0)
 
     def _drills(self) -> bool:
         return self.rs274 and self.state.drills_here

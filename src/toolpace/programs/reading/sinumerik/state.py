@@ -135,6 +135,8 @@ MODES_OF_LIMITS = ("DYNNORM", "DYNFINISH", "DYNSEMIFIN", "DYNROUGH", "DYNPREC", 
 DYNAMICS = {
     "SOFT": {"brisk": 0.0},
     "BRISK": {"brisk": 1.0},
+    # less acceleration at high speeds, and no limit of jerk (B2, 2.18); MD35220 = 1 takes the former away
+    "DRIVE": {"brisk": 1.0},
     **{word: {"mode": float(mode)} for mode, word in enumerate(MODES_OF_LIMITS)},
 }
 """What words say of the control's acceleration, as `Moves.drive` takes it."""

@@ -1,0 +1,1 @@
+"""The figures of a control, fitted to what was measured of it."""

@@ -1,0 +1,202 @@
+"""A log of axis positions while a control ran a program, and what it tells without a model."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import UsageError
+from toolpace.common.files import reason
+from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.controls.timing.axis_motion import axis_ways
+from toolpace.programs.commanded import Commanded
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+
+TIMES = ("t", "time")
+LEAST_ROWS = 20
+STEADY = 0.2
+"""Most share by which times between rows may differ from their median."""
+STILL = 1e-9
+"""Way of an axis [m, rad] that is none."""
+CERTAIN = 6.0
+"""Standard deviations of noise beyond which an axis moves."""
+SPANS = (1, 2, 3, 5, 8, 13, 21)
+"""Rows between which accelerations are differences: more where the log is noisy."""
+KEPT_UP = 3
+"""Rows over which an acceleration is kept up that counts."""
+NOISE = 0.02
+"""Most of an acceleration that may be noise."""
+TOP, RAMP, FLAT = 0.96, 0.3, 0.3
+"""Above TOP of the largest acceleration a ramp is at its top, above RAMP it is a ramp; FLAT of it is flat where a limit
+is reached. Of a triangle 6 percent are, of half a sine wave 22."""
+
+
+@dataclass(frozen=True)
+class MotionLog:
+    """Joint positions at equal times, from the last row at rest to the first at rest again."""
+
+    dt: float
+    """Time between rows [s]."""
+    q: Floats
+    """(n, joints) [m, rad]; nan for joints that the log does not have."""
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return self.dt * (len(self.q) - 1)
+
+
+def load_log(path: str | Path, machine: Machine) -> MotionLog:
+    """A table (CSV): a column `t` in seconds, and one in mm or degrees for each joint, by its name.
+
+    Other columns are passed over. Raises UsageError naming file, line and cure.
+    """
+    try:
+        with Path(path).open(encoding="utf-8-sig", newline="") as stream:
+            lines = csv.reader(stream)
+            columns, time = _columns(next(lines, []), machine, str(path))
+            wanted = [time, *columns.values()]
+            rows = [_row(row, wanted, number, str(path)) for number, row in enumerate(lines, start=2) if row]
+    except OSError as error:
+        raise UsageError(f"log {path}: cannot be read ({reason(error)}); check the path") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise UsageError(f"log {path}: no table of text (CSV, UTF-8); export it as one") from None
+    if len(rows) < LEAST_ROWS:
+        raise UsageError(f"log {path}: has {len(rows)} rows, at least {LEAST_ROWS} are needed; log the whole program")
+    table = np.array(rows)
+    q = np.full((len(table), len(machine.joints)), np.nan)
+    for column, name in enumerate(columns, start=1):
+        joint = machine.joints.index(name)
+        q[:, joint] = table[:, column] * (DEGREE if machine.is_rotary[joint] else MILLIMETRE)
+    return trimmed(_step(table[:, 0], str(path)), q, str(path))
+
+
+def is_log(path: str | Path, machine: Machine) -> bool:
+    """Whether the first line of a file names joints of the machine, or a column `t`: else it is no log."""
+    try:
+        with Path(path).open(encoding="utf-8-sig", newline="") as stream:
+            names = {name.strip() for name in stream.readline(10_000).split(",")}
+    except (OSError, UnicodeDecodeError):
+        return False
+    return len(names) > 1 and not names.isdisjoint((TIMES[0], *machine.joints))
+
+
+def _columns(header: Sequence[str], machine: Machine, source: str) -> tuple[dict[str, int], int]:
+    names = [name.strip() for name in header]
+    time = next((names.index(name) for name in TIMES if name in names), None)
+    joints = {name: names.index(name) for name in machine.joints if name in names}
+    if time is None or not joints:
+        raise UsageError(
+            f"log {source}: its first line must name the columns: t (seconds) and joints of machine '{machine.name}' "
+            f"({', '.join(machine.joints)}), in mm and degrees"
+        )
+    return joints, time
+
+
+def _row(row: Sequence[str], wanted: Sequence[int], number: int, source: str) -> list[float]:
+    try:
+        values = [float(row[column]) for column in wanted]
+    except (ValueError, IndexError):
+        values = [math.nan]
+    if not all(map(math.isfinite, values)):
+        raise UsageError(f"log {source}:{number}: a figure is missing or not finite; remove the line, or log anew")
+    return values
+
+
+def _step(t: Floats, source: str) -> float:
+    steps = np.diff(t)
+    step = float(np.median(steps))
+    wrong = np.flatnonzero(np.abs(steps - step) > STEADY * max(step, 0.0))
+    if step <= 0.0 or len(wrong):
+        line = int(wrong[0]) + 3 if len(wrong) else 3
+        raise UsageError(f"log {source}:{line}: times must rise in equal steps (here {step:g} s); log at a fixed rate")
+    return float(t[-1] - t[0]) / (len(t) - 1)
+
+
+def trimmed(dt: float, q: Floats, source: str = "log") -> MotionLog:
+    """The rows from the last at rest to the first at rest again. Raises UsageError where no axis moves."""
+    least = np.array([max(STILL, CERTAIN * noise_of(column)) for column in q.T])
+    left, there = (np.flatnonzero(np.nanmax(np.abs(q - q[end]) - least, axis=1) > 0.0) for end in (0, -1))
+    if not len(left):
+        raise UsageError(f"log {source}: no axis moves in it")
+    # the last row before the axes leave their first place, the first one in which they are at their last
+    first, last = int(left[0]) - 1, int(there[-1]) + 1 if len(there) else len(q) - 1
+    if last + 1 - first < LEAST_ROWS:
+        raise UsageError(f"log {source}: the axes move in fewer than {LEAST_ROWS} rows of it; log the whole program")
+    return MotionLog(dt, q[first : last + 1])
+
+
+def noise_of(q: Floats) -> float:
+    """Standard deviation of the noise of positions (n,): fourth differences hold little else, 70 of its variances."""
+    if not np.isfinite(q).all() or len(q) < LEAST_ROWS:
+        return 0.0
+    return math.sqrt(float(np.median(np.diff(q, 4) ** 2)) / (0.455 * 70.0))
+
+
+def without_noise(q: Floats, play: float) -> Floats:
+    """Positions (n,) that follow the measured ones with some play: they turn only where these do by more than noise."""
+    if play <= 0.0:
+        return q
+    followed, at = np.empty(len(q)), float(q[0])
+    for k, value in enumerate(q.tolist()):
+        at = min(max(at, value - play), value + play)
+        followed[k] = at
+    return followed
+
+
+def sustained_accelerations(log: MotionLog) -> tuple[Floats, Floats]:
+    """(joints,) largest acceleration that each joint keeps up [m/s^2, rad/s^2], and the share of it that may be noise.
+
+    nan where a joint does not move. The share is inf where ramps end before a limit is reached: it would be kept for a
+    good part of one.
+    """
+    found = [_sustained(column, log.dt) for column in log.q.T]
+    return np.array([value for value, _ in found]), np.array([share for _, share in found])
+
+
+def _sustained(q: Floats, dt: float) -> tuple[float, float]:
+    if not np.isfinite(q).all() or np.ptp(q) == 0.0:
+        return math.nan, math.inf
+    found, share, limit = math.nan, math.inf, False
+    for span in SPANS:
+        second = np.abs(q[2 * span :] - 2.0 * q[span:-span] + q[: -2 * span]) / (span * dt) ** 2
+        if len(second) <= KEPT_UP:
+            break
+        kept = np.min([second[k : len(second) - KEPT_UP + k] for k in range(KEPT_UP)], axis=0)
+        found = float(kept.max())
+        limit = _longest(kept > TOP * found) >= FLAT * _longest(kept > RAMP * found)
+        share = noise_of(q) * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
+        if share < NOISE:
+            break
+    return found, share if limit else math.inf
+
+
+def _longest(rows: Bools) -> int:
+    """Length of the longest run of true rows."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, Floats]:
+    """Moves whose ends the log passes, and when it does [s], both told by how far the joints have gone by then."""
+    ways = axis_ways(moves, machine, joints=True)
+    scale = np.where(machine.is_rotary, 0.1, 1.0)  # a radian counts like 0.1 m
+    logged = np.isfinite(log.q[0])
+    mean = 0.5 * (np.abs(ways.first) + np.abs(ways.last))
+    programmed = np.cumsum(np.linalg.norm((mean * scale)[:, logged], axis=1) * ways.length)
+    columns = [without_noise(column, CERTAIN * noise_of(column)) for column in log.q[:, logged].T]
+    steps = np.linalg.norm(np.diff(np.column_stack(columns) * scale[logged], axis=0), axis=1)
+    gone = np.concatenate([[0.0], np.cumsum(steps)])
+    gone *= programmed[-1] / gone[-1]
+    first = np.concatenate([[True], np.diff(gone) > 0.0])
+    ends = np.flatnonzero(np.diff(programmed, append=np.inf) > 0.0)
+    return ends, np.interp(programmed[ends], gone[first], log.dt * np.flatnonzero(first))

@@ -1,0 +1,210 @@
+"""Figures of a control from a log of it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.support.s_curves import duration, log_of_lines
+from tests.support.timed_programs import A, J, machine
+from tests.support.trapezoids import REAL, log_of, program
+from toolpace import Limits, Machine
+from toolpace.common.errors import UsageError
+from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
+from toolpace.controls.fitting.motion_log import MotionLog, load_log, sustained_accelerations, trimmed
+from toolpace.controls.fitting.written_times import WrittenTime
+from toolpace.controls.timing.figures import figures_of
+from toolpace.controls.timing.program_time import time_of_moves, with_range
+from toolpace.programs.commanded import Commanded
+from toolpace.programs.reading import Source, read_commanded
+
+ON = Machine.load("xyzac-trunnion")
+MACHINE = machine()
+
+
+def test_accelerations_that_are_kept_up_are_found():
+    found, _ = sustained_accelerations(log_of())
+    assert found[:3] == pytest.approx([REAL[axis] for axis in "XYZ"], rel=1e-3)
+    assert np.isnan(found[3:]).all()  # axes that stand tell nothing
+
+
+def test_noise_of_an_encoder_is_not_taken_for_acceleration():
+    found, _ = sustained_accelerations(log_of(noise=0.1e-6))
+    assert found[:3] == pytest.approx([REAL[axis] for axis in "XYZ"], rel=0.1)
+
+
+def test_the_model_then_takes_the_time_of_the_log_and_of_another_program():
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    wrong = machine(acceleration=3.0, jerk=1e6)
+    found = fit_log(moves, wrong, log_of(), figures_of({}, "", "lookahead"))
+    assert found.modelled == pytest.approx(found.measured, rel=0.004)
+    assert found.misfit < 4e-3
+    acceleration = found.figures.acceleration
+    assert isinstance(acceleration, dict)
+    assert acceleration == pytest.approx({axis: a * 1e3 for axis, a in REAL.items()}, rel=1e-3)
+    other = "G21 G90 G94 G61.1\nG0 X0 Y0 Z0 A0 C0\nG1 X9 F4800\nG1 Y20\nG1 Z30\nG1 X0\nM2\n"
+    hand = sum(
+        way / v + v / REAL[axis]
+        for axis, way in (("X", 9e-3), ("Y", 0.02), ("Z", 0.03), ("X", 9e-3))
+        for v in [min(0.08, math.sqrt(REAL[axis] * way))]
+    )
+    time = time_of_moves(read_commanded(Source.from_text(other, "other.ngc"), wrong), wrong, found.figures)
+    assert time.total == pytest.approx(hand, rel=0.005)
+
+
+def test_a_log_is_read_by_the_names_of_its_columns(tmp_path: Path):
+    rows = ["time , Y, other, X", *(f"{0.002 * k},{max(k - 10, 0) * 0.5},x,{min(k, 40)}" for k in range(60))]
+    (tmp_path / "log.csv").write_text("\n".join(rows), encoding="utf-8")
+    log = load_log(tmp_path / "log.csv", ON)
+    assert log.dt == pytest.approx(0.002)
+    assert log.q[:, 0].max() == pytest.approx(0.04)
+    assert log.q[-1, 1] == pytest.approx(0.0245)
+    assert np.isnan(log.q[:, 2:]).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a,b\n1,2\n", "must name the columns"),
+        ("t,X\n0,0\n0.1,1\n", "has 2 rows"),
+        ("t,X\n" + "".join(f"{k},{k}\n" for k in range(30)) + "31,oops\n", "log.csv:32: a figure is missing"),
+        ("t,X\n" + "".join(f"{k},{k}\n" for k in range(30)) + "99,3\n", "log.csv:32: times must rise in equal steps"),
+        ("t,X\n" + "".join(f"{-k},{k}\n" for k in range(30)), "times must rise"),
+        ("t,X\n" + "".join(f"{k},5\n" for k in range(30)), "no axis moves"),
+        ("t,X\n" + "".join(f"{k},nan\n" for k in range(30)), "log.csv:2: a figure is missing"),
+    ],
+)
+def test_logs_that_cannot_be_used_are_refused_with_their_line(tmp_path: Path, text: str, told: str):
+    (tmp_path / "log.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(UsageError, match=told):
+        load_log(tmp_path / "log.csv", ON)
+
+
+def test_a_log_that_is_not_there_or_no_text(tmp_path: Path):
+    with pytest.raises(UsageError, match="cannot be read"):
+        load_log(tmp_path / "none.csv", ON)
+    (tmp_path / "log.csv").write_bytes(b"\xff\xfe\x00\x81t,X\n")
+    with pytest.raises(UsageError, match="no table of text"):
+        load_log(tmp_path / "log.csv", ON)
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.sweep
+def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
+    """Run with limits and a tolerance that the model is not told; another program is then known to 2 percent."""
+    from testbed.linuxcnc.configuration import Configuration
+    from testbed.linuxcnc.run import run_program
+    from testbed.linuxcnc.timed import corners, pocket
+
+    told = Machine.load("linuxcnc-xyzac-trt")
+    own = told.limits
+    acceleration = np.where(told.is_rotary, own.acceleration, [0.7, 0.5, 0.4, 0.0, 0.0])
+    real = told.with_limits(Limits(own.velocity, acceleration, own.jerk, told.joints))
+    logged, asked = corners(40).replace("G64\n", "G64 P0.03\n"), pocket(2).replace("G64 P0.05", "G64 P0.03")
+    runs = [run_program(text, Configuration.joints(real)) for text in (logged, asked)]
+    unsaid = [
+        read_commanded(Source.from_text(text.replace("G64 P0.03", "G64"), "part.ngc"), told) for text in (logged, asked)
+    ]
+    found = fit_log(unsaid[0], told, trimmed(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
+    assert found.figures.tolerance == pytest.approx(0.03, rel=0.02)
+    assert isinstance(found.figures.acceleration, dict)
+    assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)
+    assert time_of_moves(unsaid[1], told, found.figures).total == pytest.approx(runs[1].duration, rel=0.02)
+
+
+def test_the_log_of_another_program_is_refused():
+    q = np.zeros((400, 5))
+    q[:, 2] = np.linspace(0.0, 40.0, 400)
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    with pytest.raises(UsageError, match="not measured of this program"):
+        fit_log(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))
+
+
+@pytest.mark.parametrize("seed", [1, 7])
+def test_a_log_with_limited_jerk_tells_figures_within_their_stated_ends(seed: int):
+    """The motion is of closed forms; with the noise of an encoder."""
+    rng = np.random.default_rng(seed)
+    jerk = J * float(rng.uniform(0.6, 1.6))
+    real = {"X": 1.3 * A, "Y": 0.8 * A, "Z": A}
+    ways = [(k % 3, float(rng.uniform(0.01, 0.06)) * (-1) ** k) for k in range(9)]
+    log = log_of_lines(ways, 0.25, [*real.values(), 50.0, 50.0], [jerk] * 5, 2e-3, 1e-7, seed)
+    found = fit_log(lines(ways), MACHINE, log, figures_of({}, "", "lookahead"))
+    told = {each.name: each for each in found.fitted}
+    assert told["jerk"].least * J <= jerk <= told["jerk"].most * J
+    assert told["jerk"].most < 1.3 * told["jerk"].least
+    for axis, figure in real.items():
+        own = told[f"acceleration of {axis}"]
+        assert own.least <= 1e3 * figure <= own.most and own.most < 1.3 * own.least
+
+
+def lines(ways: list[tuple[int, float]], feed: int = 15000) -> Commanded:
+    """A program that stops after each way; every third begins with another tool."""
+    place, text = np.zeros(3), ["G21 G90 G94 G61.1", "G0 X0 Y0 Z0 A0 C0"]
+    for k, (axis, way) in enumerate(ways):
+        place[axis] += way
+        text += [f"T{k // 3 + 1} M6"] * (k % 3 == 0)
+        text.append(f"G1 {'XYZ'[axis]}{1e3 * place[axis]:.7f} F{feed}")
+    return read_commanded(Source.from_text("\n".join([*text, "M2", ""]), "part.ngc"), MACHINE)
+
+
+def test_times_of_operations_tell_jerk_and_acceleration():
+    """Written to a hundredth of a second, from closed forms; long ways tell the acceleration, short ones the jerk."""
+    rng = np.random.default_rng(3)
+    long = [(k % 3, 0.3 * (-1) ** (k // 3)) for k in range(12)]
+    short = [(k % 3, float(rng.uniform(0.001, 0.002)) * (-1) ** (k // 3)) for k in range(24)]
+    ways, a, j = long + short, 1.15 * A, 0.7 * J
+    spent = [sum(duration(abs(way), 0.5, a, j)[1] for _, way in ways[k : k + 3]) for k in range(0, 36, 3)]
+    written = [WrittenTime(f"T{k + 1}", round(time, 2), 0.01) for k, time in enumerate(spent)]
+    found = fit_times(lines(ways, 30000), MACHINE, written, figures_of({}, "", "lookahead"))
+    told = {each.name: each for each in found.fitted}
+    assert told["jerk"].least <= 0.7 <= told["jerk"].most < 1.1 * told["jerk"].least
+    assert told["acceleration"].least <= 1.15 <= told["acceleration"].most < 1.2 * told["acceleration"].least
+    assert found.modelled == pytest.approx(sum(spent), rel=2e-3)
+    # a file with these figures has a range as narrow as the times leave it
+    time = time_of_moves(lines(ways, 30000), MACHINE, found.figures)
+    narrow = with_range(time, lines(ways, 30000), MACHINE, found.figures).range
+    assert narrow is not None and narrow.least <= sum(spent) <= narrow.most < 1.1 * narrow.least
+
+
+def test_one_time_tells_one_figure_as_well_as_the_others_are_known():
+    """Short ways, on which the acceleration is never reached: the time is that of the jerk alone."""
+    ways = [(k % 3, 0.0015 * (-1) ** (k // 3)) for k in range(12)]
+    total = sum(duration(abs(way), 0.25, A, 0.6 * J)[1] for _, way in ways)
+    found = fit_measured(f"{total:.2f} s", lines(ways), MACHINE, figures_of({}, "", "lookahead"))
+    (told,) = found.fitted
+    assert told.name == "jerk" and told.least <= 0.6 <= told.most
+    # the jerk goes with the cube of the time
+    rounding = 0.01 / math.sqrt(12.0) / total
+    assert told.most / told.least == pytest.approx(math.exp(2.0 * 1.96 * 3.0 * rounding), rel=0.01)
+    assert found.modelled == pytest.approx(total, abs=0.006)
+
+
+@pytest.mark.sweep
+def test_stated_ends_hold_95_of_100_controls():
+    """Acceleration and jerk drawn as uncertain as they are by default; the whole time is written to a tenth of it."""
+    held = 0
+    ways = [(k % 3, 0.002 * (k % 7 + 1) * (-1) ** (k // 3)) for k in range(21)]
+    moves = lines(ways)
+    for seed in range(100):
+        a, j = np.random.default_rng(seed).normal(size=2) * np.log([1.2, 2.0]) / 1.96
+        total = sum(duration(abs(way), 0.25, A * math.exp(a), J * math.exp(j))[1] for _, way in ways)
+        (jerk,) = fit_measured(f"{total:.1f} s", moves, MACHINE, figures_of({}, "", "lookahead")).fitted
+        assert jerk.name == "jerk"
+        held += jerk.least <= math.exp(j) <= jerk.most
+    assert held >= 95
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ([WrittenTime("Pocket", 3.0, 1.0)], "no operation 'Pocket' left; .*T1"),
+        ([WrittenTime("", 900.0, 1.0)], "no jerk makes the model take 15 min"),
+        ([WrittenTime("T1", 90.0, 1.0), WrittenTime("T2", 800.0, 1.0)], "not measured of this program"),
+    ],
+)
+def test_times_that_cannot_be_of_the_program_are_refused(written: list[WrittenTime], told: str):
+    with pytest.raises(UsageError, match=told):
+        fit_times(lines([(k % 3, 0.0015) for k in range(6)]), MACHINE, written, figures_of({}, "", "lookahead"))
