@@ -88,6 +88,7 @@ REFUSED = {
     "a type 72 without swivel data": ("table", {"$MC_TRAFO_TYPE_1": "72"}, "takes swivel data set 1, which no file"),
     "no such kind": ("swivel table", {"$TC_CARR23[1]": '"Q"'}, "= 'Q'; give one of T, P, M"),
     "no such axis": ("swivel table", {"$TC_CARR21[1]": "(U)"}, "= U, and the channel has no such axis"),
+    "a linear swivel axis": ("swivel table", {"$TC_CARR21[1]": "(X)"}, "= X, which is linear; give the axis that"),
     "no such number": ("table", {"$MC_TRAFO_AXES_IN_1[3]": "9"}, "= 9, and the channel has no such axis"),
     "a lathe": ("swivel table", {"$MC_AXCONF_GEOAX_ASSIGN_TAB[1]": "0"}, "= 0 for Y, and the channel has no such axis"),
     "another order": ("table", {"$MC_AXCONF_GEOAX_NAME_TAB[1]": '"Z"'}, 'NAME_TAB.1. = "Z"; geometry axes are read'),

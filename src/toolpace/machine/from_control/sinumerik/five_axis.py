@@ -323,6 +323,8 @@ def _carrier_axis(
             continue
         for axis in axes.values():
             if datum.word() == axis.name or datum.word() in axis.words:
+                if axis.letter in tuple("XYZ"):
+                    raise datum.origin.error(f"= {datum.word()[:20]}, which is linear; give the axis that turns")
                 return SwivelAxis(joint_name(axis, direction), direction, start, axis)
         raise datum.origin.error(f"= {datum.word()[:20]}, and the channel has no such axis; give its channel data too")
     usual = TURNING[int(np.abs(direction.vector).argmax())]
