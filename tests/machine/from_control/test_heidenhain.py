@@ -241,3 +241,10 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
             assert "\n" not in str(error) and len(str(error)) < 500
             outcomes["refused"] += 1
     assert min(outcomes.values()) > 10
+
+
+def test_a_row_of_kinematics_without_its_number_is_refused(tmp_path):
+    row = next(line for line in TABLE.splitlines() if "Trans" in line)
+    for odd in ("1b Trans A 45", row.lstrip("0123456789 ")):
+        with pytest.raises(ControlFileError, match=r"1.txt:\d+: .* is no row with NR, KEY, AXIS and COORD"):
+            _read(tmp_path, PARAMETERS, TABLE.replace(row, f"{odd}\n{row}", 1))
