@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints, frozen
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_run import AxisRun
@@ -148,7 +148,7 @@ def where_z_bends(rough: Guess) -> Floats:
 def at_caps(run: AxisRun, limits: Limits, rough: Guess) -> Bools:
     """(n,) where the guess is at its cap by feed and velocity, on both sides of a break, and needs little acceleration
     and jerk there."""
-    of_joints = limits.velocity, IN_USE * limits.acceleration, IN_USE * limits.jerk
+    of_joints = limits.velocity, frozen(IN_USE * limits.acceleration), frozen(IN_USE * limits.jerk)
 
     def at_cap(s: Floats, z: Floats) -> Bools:
         path, feed = run.with_cap(s)
