@@ -27,7 +27,6 @@ from toolpace.controls.fitting.motion_log import (
     sustained_accelerations,
 )
 from toolpace.controls.fitting.written_times import WrittenTime, load_written_times, written_time
-from toolpace.controls.timing.blocks import rests
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.controls.timing.program_time import PartTime, parts_of
 from toolpace.controls.timing.uncertainty import limits_by_axis
@@ -50,10 +49,10 @@ SHOWN = 0.02
 """Share of an acceleration that a log shows by which the control's own may be lower: noise."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
-QUIET, VAGUE = 2e-8, 1e6
-"""Noise of positions that hides no beginning [m, rad], and the deviation of a time that counts for nothing [s]."""
-WITHIN_ROW = 0.3
-"""Deviation of a time within a row: 1 / sqrt(12)."""
+QUIET = 2e-8
+"""Noise of positions that hides neither beginning nor end of the motion [m, rad]."""
+WHOLE_ROWS = 1.5
+"""Deviation of the whole of a log in rows."""
 LOG_JITTER = 0.05
 """Deviation of a time that a log tells, over the time between rows, at least."""
 
@@ -75,19 +74,16 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
 
     def of_moves(times: Floats) -> Floats:
         end = np.cumsum(times + moves.dwell) - moves.dwell
-        return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), end[-1])
+        return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), [end[-1]] * exact)
 
-    # the whole is known to a part of a row, and each rest may cost one, where the model does not count these itself;
     # noise hides where motion begins and ends
-    resting = 0.0 if start.model == "linuxcnc" else float(rests(moves)[1:-1].sum())
-    noisiest = max(noise_of(column) for column in log.q.T)
-    whole = (WITHIN_ROW + resting) * log.dt if noisiest < QUIET else VAGUE
+    exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
     measured = Measured(
-        np.append(np.diff(ended, prepend=0.0), log.duration),
-        np.append(np.full(len(ended), LOG_JITTER * log.dt), whole),
+        np.append(np.diff(ended, prepend=0.0), [log.duration] * exact),
+        np.append(np.full(len(ended), LOG_JITTER * log.dt), [WHOLE_ROWS * log.dt] * exact),
         of_moves,
         log.duration,
-        exact=1,
+        exact,
     )
     parameters = []
     for each in parameters_of(start, machine, LOGGED[start.model]):

@@ -173,17 +173,26 @@ def _sustained(q: Floats, dt: float) -> tuple[float, float]:
             break
         kept = np.min([second[k : len(second) - KEPT_UP + k] for k in range(KEPT_UP)], axis=0)
         found = float(kept.max())
-        limit = _longest(kept > TOP * found) >= FLAT * _longest(kept > RAMP * found)
+        limit = _is_flat(kept > RAMP * found, kept > TOP * found)
         share = noise_of(q) * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
         if share < NOISE:
             break
     return found, share if limit else math.inf
 
 
-def _longest(rows: Bools) -> int:
-    """Length of the longest run of true rows."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+def _is_flat(ramps: Bools, top: Bools) -> bool:
+    """Whether the ramp (run of true rows) that is longest at its top is flat there.
+
+    Other ramps may be longer, and lower: those in which another axis is at its limit.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], ramps, [False]])))
+    begin, end = edges[::2], edges[1::2]
+    if not len(begin):
+        return False
+    before = np.concatenate([[0], np.cumsum(top)])
+    at_top = before[end] - before[begin]
+    longest = int(np.argmax(at_top))
+    return bool(at_top[longest] >= FLAT * (end - begin)[longest])
 
 
 def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, Floats]:
