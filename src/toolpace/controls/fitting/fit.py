@@ -46,13 +46,13 @@ LOGGED: dict[str, tuple[str, ...]] = {
 KEPT = 2e-4
 """Deviation of the logarithm of an acceleration that a log shows to be kept for a while, beside its noise."""
 SHOWN = 0.02
-"""Share of an acceleration that a log shows by which the control's own may be lower: noise."""
+"""Share of an acceleration that a log shows by which the control's own may be lower, beside two of its deviations."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
 QUIET = 2e-8
 """Noise of positions that hides neither beginning nor end of the motion [m, rad]."""
 WHOLE_ROWS = 1.5
-"""Deviation of the whole of a log in rows."""
+"""Deviation of the whole of a log in rows: one at either end, and cycles in which model and control differ."""
 LOG_JITTER = 0.05
 """Deviation of a time that a log tells, over the time between rows, at least."""
 
@@ -60,24 +60,25 @@ LOG_JITTER = 0.05
 def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: ControlFigures) -> Fit:
     """The figures that come closest to a log of the program. Raises UsageError."""
     _refuse_still(moves)
-    found, noise = sustained_accelerations(log)
+    found, noise, limits = sustained_accelerations(log)
     units = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
     table = dict(figures.acceleration) if isinstance(figures.acceleration, dict) else {}
     moving = {name: float(a) for name, a in zip(machine.joints, found / units) if a >= LEAST}
     before = limits_by_axis(figures, machine, "acceleration")
     # ramps that end before a limit is reached tell only how high it is at least
-    reached = {name: KEPT + float(each) for name, each in zip(machine.joints, noise) if np.isfinite(each)}
+    uncertain = {name: KEPT + float(each) for name, each in zip(machine.joints, noise)}
+    reached = {name for name, limit in zip(machine.joints, limits) if limit}
     table |= {name: a if name in reached else max(a, before[name]) for name, a in moving.items()}
     start = msgspec.structs.replace(figures, acceleration=table, tolerance=figures.room / MILLIMETRE)
     far, when = progress(moves, machine, log)
     ended = np.append(when, log.duration)
+    # noise hides where motion begins and ends
+    exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
 
     def of_moves(times: Floats) -> Floats:
         end = np.cumsum(times + moves.dwell) - moves.dwell
         return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), [end[-1]] * exact)
 
-    # noise hides where motion begins and ends
-    exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
     measured = Measured(
         np.append(np.diff(ended, prepend=0.0), [log.duration] * exact),
         np.append(np.full(len(ended), LOG_JITTER * log.dt), [WHOLE_ROWS * log.dt] * exact),
@@ -89,8 +90,8 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
     for each in parameters_of(start, machine, LOGGED[start.model]):
         axis = each.figure.axis
         if each.figure.name == "acceleration" and axis in moving:
-            shown = math.log((1.0 - SHOWN) * moving[axis] / table[axis])
-            kept = replace(each, deviation=reached[axis], measured=True) if axis in reached else each
+            shown = math.log(moving[axis] / table[axis]) - SHOWN - 2.0 * uncertain[axis]
+            kept = replace(each, deviation=uncertain[axis], measured=True) if axis in reached else each
             parameters.append(replace(kept, least=min(shown, 0.0)))
         elif not axis or axis in moving:
             parameters.append(each)
