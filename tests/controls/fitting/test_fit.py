@@ -110,6 +110,8 @@ def test_a_log_of_linuxcnc_tells_its_acceleration_and_tolerance():
     ]
     found = fit_log(unsaid[0], told, trimmed(1e-3, runs[0].joints), figures_of({}, "", "linuxcnc"))
     assert found.figures.tolerance == pytest.approx(0.03, rel=0.02)
+    (own_tolerance,) = (each for each in found.fitted if each.name == "tolerance")
+    assert own_tolerance.least <= 0.03 <= own_tolerance.most < 1.05 * own_tolerance.least
     assert isinstance(found.figures.acceleration, dict)
     assert [found.figures.acceleration[axis] for axis in "XYZ"] == pytest.approx([700.0, 500.0, 400.0], rel=0.02)
     assert time_of_moves(unsaid[1], told, found.figures).total == pytest.approx(runs[1].duration, rel=0.02)
