@@ -126,7 +126,7 @@ def block_check(points: SetPoints, toolpath: ToolPath, motion: MotionRow, there:
     found = np.zeros(len(points), dtype=bool)
     row = motion.row
     begin, low, high = _of_setpoints(there, row)
-    named(begin, low, high, start, block, points.block.copy(), found)
+    named(begin, low, high, start, block, np.argsort(block, kind="stable"), points.block.copy(), found)
     wrong = int(len(found) - found.sum())
     if not wrong:
         return [Check("block column", 0.0, 0.0, "", True, note="every set-point is in its block")]
