@@ -2,7 +2,7 @@
 
 A kernel's machine code holds that of all it calls, and is made from their intermediate code. numba makes machine code
 of each function besides, and a wrapper that takes Python's objects apart. For a function that only kernels call, one of
-numba's library too, both are never run: they took a quarter of the time to compile.
+numba's library too, neither is ever run.
 """
 
 from __future__ import annotations
