@@ -66,8 +66,7 @@ if TYPE_CHECKING:
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
-    from toolpace.setup_search.choices import Choice, Choices, Zone
-    from toolpace.setup_search.choices_file import load_choices
+    from toolpace.setup_search.choices import Choice, Choices, Zone, load_choices
     from toolpace.setup_search.clamping import Clamping
     from toolpace.setup_search.found_set_up import FoundSetUp, PlaceMap, PlannedSetUp
     from toolpace.setup_search.search import search_setup
@@ -240,7 +239,7 @@ _HOME = {
     "batch": "jobs.batch",
     "compensate_bending": "cutting.compensated_program",
     "export": "controls.export",
-    "load_choices": "setup_search.choices_file",
+    "load_choices": "setup_search.choices",
     "load_tool": "cutting.tool_file",
     "plan": "planning.planner",
     "plan_program": "planning.program_plan",

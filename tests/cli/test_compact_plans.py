@@ -210,7 +210,7 @@ def test_the_plan_itself_is_in_the_folder(plans):
     assert told == found and found.worst <= 1.0001 and trajectory.notes == ()
 
 
-@pytest.mark.parametrize("name", ["nodes", "c", "breaks", "coefficients", "block"])
+@pytest.mark.parametrize("name", ["nodes", "c", "breaks", "coefficients", "block", "feed", "least_time", "entry"])
 def test_a_changed_path_or_law_is_found_though_the_seal_is_right(again, capsys, name):
     trajectory = exact(again.folder)
     run, law = trajectory.axis_path.runs[0], trajectory.laws[0]
@@ -222,7 +222,8 @@ def test_a_changed_path_or_law_is_found_though_the_seal_is_right(again, capsys, 
     else:
         values = getattr(run.run, name).copy()
         middle = len(values) // 2
-        values[middle] = values[middle] + 3 if name == "block" else values[middle] * (1.0 + 1e-7)
+        value = values[middle] + 3 if name in ("block", "entry") else values[middle] * (1.0 + 1e-7)
+        values[middle] = 1e-3 if name == "least_time" else value
         other = FollowRun(replace(run.run, **{name: values}), run.machine, run.branch)
         path = replace(trajectory.axis_path, runs=(other, *trajectory.axis_path.runs[1:]))
         changed = replace(trajectory, axis_path=path)

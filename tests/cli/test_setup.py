@@ -11,7 +11,7 @@ import toolpace as tp
 from testbed.curved_pass import curved_pass
 from testbed.true_tip.cases import Maker
 from toolpace.cli import main
-from toolpace.results.write.cldata import cldata_text
+from toolpace.results.write.set_up_folder import cldata_text
 
 QUICK = ["--trials", "24", "--workers", "0", "--no-map"]
 

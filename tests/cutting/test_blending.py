@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolpace.cutting.inserted_points import CHUNK, needed
-from toolpace.cutting.prediction import blended
+from toolpace.cutting.prediction import CHUNK, blended, needed
 from toolpace.judge.bent_tip import blended as judged
 
 LENGTH = 4e-3

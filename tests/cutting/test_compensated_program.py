@@ -59,10 +59,10 @@ def test_the_tool_stands_where_the_bent_tip_is_right(aimed):
 
 
 def test_rapids_and_plunges_bend_nothing(aimed, toolpath):
-    places = aimed.toolpath
-    far = places.tip[:, 2] > TOOL.blend
+    stations = aimed.toolpath
+    far = stations.tip[:, 2] > TOOL.blend
     assert far.sum() > 3 and not aimed.bending[far].any()
-    assert places.rapid.any() and toolpath.rapid.any()
+    assert stations.rapid.any() and toolpath.rapid.any()
 
 
 def test_the_judge_finds_the_bent_tip_on_the_program(aimed, toolpath):
@@ -106,16 +106,16 @@ def test_the_path_has_the_blocks_of_the_program(aimed, toolpath):
 def test_the_bent_tip_keeps_the_feed(aimed, x, y):
     """By differences of set-points on the first and the second line, bent by what holds there: 25 mm/s, and 0.02 %."""
     along = 0 if y == 0.0 else 1
-    places, points = aimed.toolpath, aimed.trajectory.sample(1e-3)
-    on = (np.abs(places.tip[:, 2]) < 1e-12) & (np.abs(places.tip[:, 1 - along] - (y, x)[along]) < 1e-12)
-    line = np.flatnonzero(on)[np.argsort(places.tip[on, along], kind="stable")]
+    stations, points = aimed.toolpath, aimed.trajectory.sample(1e-3)
+    on = (np.abs(stations.tip[:, 2]) < 1e-12) & (np.abs(stations.tip[:, 1 - along] - (y, x)[along]) < 1e-12)
+    line = np.flatnonzero(on)[np.argsort(stations.tip[on, along], kind="stable")]
     assert len(line) > 100
-    cut = points.block == places.block[line[len(line) // 2]]
+    cut = points.block == stations.block[line[len(line) // 2]]
     tip = points.tip[cut]
     bent = tip
     for _ in range(4):
         bent = tip + np.stack(
-            [np.interp(bent[:, along], places.tip[line, along], aimed.bending[line, k]) for k in range(3)], axis=1
+            [np.interp(bent[:, along], stations.tip[line, along], aimed.bending[line, k]) for k in range(3)], axis=1
         )
     speed = np.linalg.norm(np.diff(bent, axis=0), axis=1) / 1e-3
     assert 0.025 * 0.9999 < speed.max() <= 0.025 * 1.0002
@@ -193,9 +193,11 @@ def test_what_cannot_be_aimed_off_is_one_error(toolpath, monkeypatch):
     module.refuse_coarse(toolpath, TOOL, 0.01)
     swing = iter(range(100))
     monkeypatch.setattr(
-        module, "predicted_bending", lambda places, *rest: np.full((len(places.way), 3), 1e-5 * ((next(swing) + 1) % 2))
+        module,
+        "predicted_bending",
+        lambda stations, *rest: np.full((len(stations.way), 3), 1e-5 * ((next(swing) + 1) % 2)),
     )
-    monkeypatch.setattr(module, "ROUNDS", 2)
+    monkeypatch.setattr(module, "MOST_ITERATIONS", 2)
     with pytest.raises(PathError, match=r"does not converge: after 2 iterations .* 17.3 um, and 1 um are enough"):
         tp.compensate_bending(toolpath, MACHINE, TOOL)
 
@@ -203,17 +205,17 @@ def test_what_cannot_be_aimed_off_is_one_error(toolpath, monkeypatch):
 def test_what_swings_for_ever_is_met_half_way(toolpath, monkeypatch):
     """Bending that answers each shift by the opposite of it, about 10 micrometres: plain rounds would never end."""
     shifts = []
-    shifted = module.Places.shifted
+    shifted = module.Stations.shifted
 
-    def told(places, shift, kept):
+    def told(stations, shift, kept):
         shifts.append(shift)
-        return shifted(places, shift, kept)
+        return shifted(stations, shift, kept)
 
-    monkeypatch.setattr(module.Places, "shifted", told)
+    monkeypatch.setattr(module.Stations, "shifted", told)
     monkeypatch.setattr(module, "predicted_bending", lambda *rest: 20e-6 + shifts[-1])
     aimed = tp.compensate_bending(toolpath, MACHINE, TOOL)
     np.testing.assert_allclose(aimed.bending, 10e-6, atol=1e-6)
-    assert module.SETTLED < aimed.rounds < module.ROUNDS
+    assert module.SETTLED < aimed.rounds < module.MOST_ITERATIONS
 
 
 HEAD = "G21 G90 G17\nS18000 M3\nG0 X0 Y0 Z20 A0 C0\n"

@@ -13,7 +13,7 @@ import toolpace as tp
 import toolpace.machine
 from testbed import replans
 from toolpace.common.errors import InfeasibleError, UsageError
-from toolpace.deflection.feed import feed_used_at_looks
+from toolpace.deflection.feed import sampled_feed_use
 from toolpace.deflection.rejoin.stop import StopAlone, StopTogether
 from toolpace.deflection.rejoin_motion import CommandedMotion, RejoinMotion
 
@@ -114,7 +114,7 @@ def test_the_feed_is_looked_at_where_it_changes_between_two_looks(ahead: float):
     blocks = old.axis_path.runs[0].block_at(rejoin.abreast(t))
     feed = np.array([(3000.0, 600.0)[(line - 6) % 2] for line in blocks]) / 60e3
     seen = np.linalg.norm(np.diff(old.tip(t)[0], axis=0), axis=1) / np.diff(t) / feed[1:]
-    assert feed_used_at_looks(rejoin, machine)[1].max() == pytest.approx(seen.max(), rel=0.02)
+    assert sampled_feed_use(rejoin, machine)[1].max() == pytest.approx(seen.max(), rel=0.02)
 
 
 def test_a_follower_refuses_a_motion_that_begins_on_its_way():

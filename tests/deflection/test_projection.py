@@ -13,9 +13,9 @@ from tests.support.growth import order_of_growth
 from tests.support.tool_paths import random_toolpath, toolpath_through
 from toolpace import deflection
 from toolpace.common.errors import PathError, UsageError
-from toolpace.deflection.projection import TOLERANCE, branch_and_bound
-from toolpace.deflection.projection.branch_and_bound import chords_of
-from toolpace.deflection.projection.potential import descend
+from toolpace.deflection import nearest_point
+from toolpace.deflection.nearest_point import chords_of
+from toolpace.deflection.projection import TOLERANCE, descend
 from toolpace.machine.machine import Machine
 from toolpace.path.axis_quintic import quintic_path, quintic_through
 from toolpace.path.exact import callable_run
@@ -302,7 +302,7 @@ def test_path_about_the_deflection_is_searched_whole_and_what_is_left_is_told(mo
     """Every point of the arc is as near: there is nothing to close until the tolerance is reached."""
     found = deflection.project(ARC, np.zeros(3))
     assert found.distance == pytest.approx(0.1, abs=1e-15) and found.within <= TOLERANCE
-    monkeypatch.setattr(branch_and_bound, "MOST_CELLS", 100)
+    monkeypatch.setattr(nearest_point, "MOST_CELLS", 100)
     found = deflection.project(ARC, np.zeros(3))
     assert TOLERANCE < found.within < 1e-4
 
@@ -374,7 +374,7 @@ def test_path_with_a_derivative_that_is_not_finite_is_refused() -> None:
 
 def test_noise_in_the_derivatives_of_a_function_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """No halving resolves the rounding of derivatives by differences; a caller's are refused before they get so far."""
-    monkeypatch.setattr(branch_and_bound, "MOST_UNRESOLVED", 1 << 11)
+    monkeypatch.setattr(nearest_point, "MOST_UNRESOLVED", 1 << 11)
     random = np.random.default_rng(13)
 
     def noisy(s: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:

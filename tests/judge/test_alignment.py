@@ -55,7 +55,10 @@ def places_are_in_order(found, motion, program):
         np.testing.assert_allclose(np.maximum(way.tip, way.axis), distance_of_poses(rows, at), atol=1e-9)
 
 
-@pytest.mark.parametrize("part", [0, 1, *(pytest.param(part, marks=pytest.mark.sweep) for part in range(2, 9))])
+@pytest.mark.parametrize(
+    "part",
+    [0, *(pytest.param(part, marks=pytest.mark.sweep if part < 4 else pytest.mark.thorough) for part in range(1, 9))],
+)
 def test_decides_as_the_oracle_does(part):
     for seed in range(part, 360, 9):
         agrees_with_the_oracle(seed)

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from tests.support import motions
-from toolpace.judge import largest, verify
-from toolpace.judge.largest import Largest, each_block
-from toolpace.judge.motion import WINDOW
+from toolpace.judge import seen_motion, verify
+from toolpace.judge.seen_motion import WINDOW, Largest, each_block
 
 
 def judged(points, monkeypatch, rows):
     """All checks of set-points of a right motion that were changed, in blocks of so many rows."""
-    monkeypatch.setattr(largest, "ROWS", rows)
+    monkeypatch.setattr(seen_motion, "ROWS", rows)
     return verify(points, motions.machine(), motions.program(), 10e-6, 1e-3)
 
 
@@ -60,7 +59,7 @@ def test_a_right_motion_is_found_right_in_any_blocks(monkeypatch):
 
 
 def test_the_first_of_the_largest_rows_is_named(monkeypatch):
-    monkeypatch.setattr(largest, "ROWS", 10)
+    monkeypatch.setattr(seen_motion, "ROWS", 10)
     columns = np.zeros((2, 35))
     columns[0, [7, 19, 34]] = columns[1, [30, 34]] = 3.0
     found = Largest.of_all(each_block(lambda begin, end: Largest.of(columns[:, begin:end], begin), 35))
@@ -68,7 +67,7 @@ def test_the_first_of_the_largest_rows_is_named(monkeypatch):
 
 
 def test_an_error_in_a_block_is_raised(monkeypatch):
-    monkeypatch.setattr(largest, "ROWS", 10)
+    monkeypatch.setattr(seen_motion, "ROWS", 10)
 
     def work(begin, end):
         if begin == 20:

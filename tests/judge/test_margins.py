@@ -10,8 +10,8 @@ import pytest
 
 from tests.support import motions
 from toolpace.judge import verify
-from toolpace.judge.largest import difference_beyond_rounding
 from toolpace.judge.motion import position_noise
+from toolpace.judge.seen_motion import difference_beyond_rounding
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.tolerances import Tolerances

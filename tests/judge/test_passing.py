@@ -9,8 +9,8 @@ import pytest
 
 from tests.support import motions
 from tests.support.walks import AXIS, DT, MACHINE, TIP, least_seconds, random_walk, set_points
-from toolpace.judge import verify
-from toolpace.judge.program import program_checks
+from toolpace.judge import motion_judge, verify
+from toolpace.motion.setpoints import Block
 from toolpace.programs.toolpath import no_rapids
 
 POINTS = motions.set_points()
@@ -84,8 +84,9 @@ def test_a_wait_counts_that_comes_after_a_shorter_one():
 def test_the_use_of_the_feed_is_bounded_from_both_sides():
     """At a tenth of the feed; where the motion waits, it uses none of it."""
     program = replace(PROGRAM, feed=10.0 * PROGRAM.feed)
-    tip, axis = MACHINE.forward(POINTS.q)
-    use = program_checks(POINTS, FREE, program, tip, axis, TIP, AXIS, DT).feed_use
+    judge = motion_judge(POINTS, FREE, program, TIP, AXIS)
+    judge.take(Block.of(POINTS, 0, len(POINTS)))
+    use = judge.judged()[1].feed_use
     assert 0.0999 < use.least <= 0.1000001 <= use.most < 0.11
     waits = np.abs(np.diff(POINTS.q, axis=0)).max(axis=1) == 0.0
     assert waits.any() and (use.ratio[waits] == 0.0).all()

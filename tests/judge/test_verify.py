@@ -12,7 +12,7 @@ from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import toolpath_through
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.judge import verify, verify_plan
-from toolpace.judge.tool import length_checks, tool_table
+from toolpace.judge.tool import sheet_check, tool_table
 from toolpace.machine.limits import Limits
 from toolpace.motion.setpoints import SetPoints
 
@@ -322,5 +322,5 @@ def test_a_program_of_one_move_is_held_against_its_sheet():
     path = toolpath_through([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]], [UP, UP])
     for length, good in ((MACHINE.tool_length, True), (MACHINE.tool_length + 1e-3, False)):
         sheet = tool_table(f"[tools.1]\nlength = {length * 1e3!r}\n")
-        (check,) = length_checks(POINTS, MACHINE, path, sheet)
+        (check,) = sheet_check(MACHINE, path, sheet)
         assert check.ok == good and check.block == path.block[1]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.motion import trajectory as module
+from toolpace.motion import sampling, trajectory
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def motion() -> tp.Trajectory:
 
 def test_derivatives_of_the_path_are_held_of_some_times_only(monkeypatch: pytest.MonkeyPatch, motion: tp.Trajectory):
     """Of all times at once they take four times as much memory as what is asked for."""
-    monkeypatch.setattr(module, "CHUNK", 1000)
+    monkeypatch.setattr(trajectory, "ROWS", 1000)
     t = np.linspace(0.0, motion.duration, 50_000)
     motion.at(t[:10])
     tracemalloc.start()
@@ -30,5 +30,14 @@ def test_derivatives_of_the_path_are_held_of_some_times_only(monkeypatch: pytest
 
 def test_in_pieces_the_values_are_the_same(monkeypatch: pytest.MonkeyPatch, motion: tp.Trajectory):
     whole = motion.sample(1e-3)
-    monkeypatch.setattr(module, "CHUNK", 77)
+    monkeypatch.setattr(sampling, "ROWS", 77)
     assert motion.sample(1e-3) == whole
+
+
+def test_a_sampling_that_is_taken_in_blocks_is_that_of_all_at_once(motion: tp.Trajectory):
+    whole, blocks = motion.sample(1e-3), sampling.Sampling(motion, 1e-3, on_grid=False)
+    assert len(blocks) == len(whole) and blocks.joints == whole.joints and (blocks.t == whole.t).all()
+    for begin, end in ((0, 100), (77, 412), (len(whole) - 3, len(whole))):
+        assert blocks.rows(begin, end) == whole.rows(begin, end)
+    some = np.array([3, 3, 500, len(whole) - 1])
+    assert blocks.at(some) == whole.at(some)

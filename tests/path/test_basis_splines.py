@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from toolpace.path.basis_splines import cells_of, nonzero_basis, spline_values
+from toolpace.path.fit.spline import cells_of, nonzero_basis, spline_values
 
 CASES = [(degree, order) for degree in (1, 2, 3, 5) for order in range(degree + 1)]
 

@@ -6,7 +6,11 @@ import pytest
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from toolpace.common.errors import InfeasibleError
-from toolpace.planning.mesh.nodes import MOST_UNLIKE, graded
+from toolpace.machine.limits import Limits
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.mesh import nodes as mesh
+from toolpace.planning.mesh.initial_guess import guess
+from toolpace.planning.mesh.nodes import MOST_UNLIKE, at_caps, graded
 from toolpace.planning.planner import plan
 
 
@@ -59,3 +63,58 @@ def test_cells_side_by_side_are_alike():
         cell = np.diff(graded(nodes))
         assert np.isin(nodes, graded(nodes)).all()
         assert max((cell[1:] / cell[:-1]).max(), (cell[:-1] / cell[1:]).max()) <= MOST_UNLIKE
+
+
+LIMITS = Limits([1.0, 1.0], [5.0, 5.0], [50.0, 50.0], ["X", "Y"])
+
+
+def bend_between_straights(speed_cap, breaks=()):
+    """A path of 2 m with a bend of 20 mm in its middle, that asks for a quarter of the feed of 0.1 m/s."""
+
+    def f(s, order):
+        x, width = s - 1.0, 1e-2
+        e = np.exp(-((x / width) ** 2) / 2.0)
+        u = x / width
+        bend = (e, -u * e / width, (u**2 - 1.0) * e / width**2, (3.0 - u**2) * u * e / width**3)[order]
+        return np.stack([(s, np.ones_like(s), 0.0 * s, 0.0 * s)[order], 0.05 * bend], axis=1)
+
+    return AxisPath.from_callable(
+        f, 0.0, 2.0, joints=["X", "Y"], speed_cap=speed_cap, breaks=breaks, hints=np.linspace(0.0, 2.0, 41)
+    )
+
+
+def test_where_the_feed_holds_the_motion_cells_are_long_and_nothing_is_lost(monkeypatch):
+    path = bend_between_straights(0.1)
+    long = plan(path, LIMITS)
+    monkeypatch.setattr(mesh, "COARSEST", 1.0)
+    even = plan(path, LIMITS)
+    assert long.mesh_points < 0.6 * even.mesh_points
+    assert long.duration == pytest.approx(even.duration, rel=2e-5)
+    assert 0.0 <= long.gap < 1e-3
+    assert used_by_positions(long).max() < 1.0001
+    assert 2.0 / 0.1 < long.lower_bound <= even.duration
+
+
+def test_a_feed_in_waves_is_followed(monkeypatch):
+    """In cells as long as at an even feed the motion would take 6e-4 and 2e-4 longer."""
+    for height, waves in ((0.01, 120.0), (0.3, 40.0)):
+        path = bend_between_straights(lambda s, height=height, waves=waves: 0.1 * (1.0 + height * np.sin(waves * s)))
+        with monkeypatch.context() as patched:
+            patched.setattr(mesh, "COARSEST", 1.0)
+            even = plan(path, LIMITS, bound=False)
+        followed = plan(path, LIMITS)
+        assert followed.mesh_points < even.mesh_points
+        assert followed.duration == pytest.approx(even.duration, rel=5e-5)
+        assert followed.lower_bound <= even.duration
+
+
+def test_a_place_where_the_cap_falls_is_not_at_its_cap_from_either_side():
+    step = 1.3
+    for cap in (lambda s: np.where(s < step, 0.1, 0.05), lambda s: np.where(s < step, 0.05, 0.1)):
+        run = bend_between_straights(cap, [step]).runs[0]
+        rough = guess(run, LIMITS, (0.0, 0.0), 400)
+        at_cap = at_caps(run, LIMITS, rough)
+        assert not at_cap[rough.s == step].any()
+        assert at_cap[np.abs(rough.s - 1.6) < 0.1].all() and not at_cap[[0, -1]].any()
+        # the bend takes a half of the feed as it is
+        assert at_cap[np.abs(rough.s - 1.0) < 5e-3].any() == (cap(1.0) == 0.05)

@@ -9,8 +9,7 @@ import pytest
 
 from toolpace.common.errors import UsageError
 from toolpace.machine.machine import Machine
-from toolpace.setup_search.choices import Choice, Choices
-from toolpace.setup_search.choices_file import choices_of_text, load_choices
+from toolpace.setup_search.choices import Choice, Choices, choices_of_text, load_choices
 
 FILE = """
 [choose]

@@ -12,8 +12,7 @@ from testbed.curved_pass import curved_pass
 from toolpace.common.errors import ReachError
 from toolpace.machine.machine import Machine
 from toolpace.setup_search.clamping import Clamping
-from toolpace.setup_search.feasible_position import MARGIN, feasible_position, nearest_within
-from toolpace.setup_search.trial import centre_of
+from toolpace.setup_search.trial import MARGIN, centre_of, feasible_position, nearest_within
 
 BOX = np.array([[-0.3, 0.3], [-0.3, 0.3], [-0.2, 0.4]])
 

@@ -26,13 +26,13 @@ from tools.mutants.reasons import reason_of
 from tools.mutants.trial import SURVIVED, ChangedFile, tried
 
 DEFLECTION = [f"deflection/{name}.py" for name in (
-    "compensation", "detour", "detour_law", "feed", "measured_pose", "motion_state", "new_trajectory", "rejoin_motion",
-    "skipped",
+    "compensation", "detour", "detour_law", "feed", "measured_pose", "motion_state", "nearest_point", "new_trajectory",
+    "projection", "rejoin_motion",
 )]  # fmt: skip
 ROOMS = {
     "judge": ["judge"], "guard": ["planning/optimal", "planning/peaks.py"], "bound": ["planning/bound"],
     "fit": ["path/fit"], "follower": ["deflection/following"],
-    "deflection": [*DEFLECTION, "deflection/projection", "deflection/rejoin"],
+    "deflection": [*DEFLECTION, "deflection/rejoin"],
     "reading": ["programs/reading"], "export": ["controls/export"], "sampling": ["motion"],
 }  # fmt: skip
 """The rooms that keep promises, and where they are below src/toolpace."""

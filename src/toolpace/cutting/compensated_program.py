@@ -22,8 +22,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, UsageError
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import one_line
-from toolpace.cutting.inserted_points import Places, places_of
-from toolpace.cutting.prediction import cut_of_way, parameters, predicted_bending
+from toolpace.cutting.prediction import Stations, cut_of_way, parameters, predicted_bending, stations_of
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine, check_machine
 from toolpace.motion.trajectory import Trajectory
@@ -41,7 +40,7 @@ RESERVE = 0.2
 """Share of the tip tolerance that is left to what has not converged, and to what two ways to work it out differ by."""
 STRAIGHT = 0.05
 """Share of it by which a straight line between two points of the shifted program may miss the shift between them."""
-ROUNDS = 20
+MOST_ITERATIONS = 20
 """Most iterations."""
 SETTLED = 2
 """Iterations after which the points that a path is fitted to stay the same."""
@@ -111,33 +110,33 @@ def compensate_bending(
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
         raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")
     cut = cut_of_way(tool, toolpath)
-    places = places_of(toolpath, machine, cut, tool.blend)
-    cut = cut[places.origin]
+    stations = stations_of(toolpath, machine, cut, tool.blend)
+    cut = cut[stations.origin]
     least = Tolerances.of(tip_tolerance, "tip_tolerance").least
     enough = min(CONVERGED, 0.5 * RESERVE * least)
-    bending = np.zeros((len(places.way), 3))
+    bending = np.zeros((len(stations.way), 3))
     changes: list[float] = []
-    for round_ in range(ROUNDS + 1):
-        reported = _share(progress, round_)
-        if round_ <= SETTLED:
-            kept = places.needed(bending, STRAIGHT * least)
-        shifted = places.shifted(-bending, kept)
+    for iteration in range(MOST_ITERATIONS + 1):
+        reported = _share(progress, iteration)
+        if iteration <= SETTLED:
+            kept = stations.needed(bending, STRAIGHT * least)
+        shifted = stations.shifted(-bending, kept)
         fitted = Path.fit(shifted, (1.0 - RESERVE) * tip_tolerance, axis_tolerance, machine, _share(reported, 0))
-        path = keeping_feed(fitted, places, kept, bending)
+        path = keeping_feed(fitted, stations, kept, bending)
         trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=_share(reported, 1))
-        found = predicted_bending(places, kept, cut, tool, machine, fitted, trajectory)
-        check_small(found, places, tool)
+        found = predicted_bending(stations, kept, cut, tool, machine, fitted, trajectory)
+        check_small(found, stations, tool)
         changes.append(float(np.linalg.norm(found - bending, axis=1).max()))
-        if changes[-1] <= enough and excess_of_feed(fitted, places, kept, found, trajectory) <= FED:
-            return BendingCompensation(tool, path, trajectory, places.toolpath, bending, round_, changes[-1])
+        if changes[-1] <= enough and excess_of_feed(fitted, stations, kept, found, trajectory) <= FED:
+            return BendingCompensation(tool, path, trajectory, stations.toolpath, bending, iteration, changes[-1])
         # a curve that can be fitted in two ways may change for ever from one to the other: go half of the way
-        slow = round_ > SETTLED and changes[-1] > 0.5 * changes[-2]
+        slow = iteration > SETTLED and changes[-1] > 0.5 * changes[-2]
         bending = 0.5 * (bending + found) if slow else found
     shown = ", ".join(f"{1e6 * change:.3g}" for change in changes[-4:])
     raise PathError(
-        f"{tool.source}: the compensation of the bending does not converge: after {ROUNDS} iterations it still changes "
-        f"by {shown} um, and {1e6 * enough:.3g} um are enough; give a longer blend or a stiffer tool, or a wider "
-        "--tip-tolerance"
+        f"{tool.source}: the compensation of the bending does not converge: after {MOST_ITERATIONS} iterations it "
+        f"still changes by {shown} um, and {1e6 * enough:.3g} um are enough; give a longer blend or a stiffer tool, "
+        "or a wider --tip-tolerance"
     )
 
 
@@ -154,13 +153,13 @@ def refuse_coarse(toolpath: ToolPath, tool: CuttingTool, dt: float) -> None:
         )
 
 
-def check_small(bending: Floats, places: Places, tool: CuttingTool) -> None:
+def check_small(bending: Floats, stations: Stations, tool: CuttingTool) -> None:
     """Raise UsageError where the tool bends by more than its blend can take."""
     size = np.linalg.norm(bending, axis=1)
     k = int(np.argmax(size))
     if size[k] > STEEPEST * tool.blend:
         raise UsageError(
-            f"{tool.source}: the tool bends by {format_length(float(size[k]))} in block {places.toolpath.block[k]}, "
+            f"{tool.source}: the tool bends by {format_length(float(size[k]))} in block {stations.toolpath.block[k]}, "
             f"and {STEEPEST:g} of its blend of {format_length(tool.blend)} is the most; check stiffness, coefficients "
             "and depths, or give a longer blend"
         )
@@ -173,18 +172,18 @@ def _share(progress: Callable[[float], None] | None, part: int) -> Callable[[flo
     return lambda share: progress(1.0 - 0.5**part * (1.0 - 0.5 * share))
 
 
-def keeping_feed(fitted: Path, places: Places, kept: Ints, bending: Floats) -> Path:
+def keeping_feed(fitted: Path, stations: Stations, kept: Ints, bending: Floats) -> Path:
     """A path that was fitted to the places `kept` (k,), as one of the program's points, one block for each way of it;
     of more blocks where the tip, bent by (n, 3) [m], would pass the feed."""
-    return replace(fitted, runs=tuple(_keeping_feed(run, places, kept, bending) for run in fitted.runs))
+    return replace(fitted, runs=tuple(_keeping_feed(run, stations, kept, bending) for run in fitted.runs))
 
 
-def excess_of_feed(fitted: Path, places: Places, kept: Ints, bending: Floats, trajectory: Trajectory) -> float:
+def excess_of_feed(fitted: Path, stations: Stations, kept: Ints, bending: Floats, trajectory: Trajectory) -> float:
     """The most by which the tip, bent by (n, 3) [m], passes the feeds of the program, as a share of them."""
     worst = 0.0
     for run, law in zip(fitted.runs, trajectory.laws):
-        at, s = _cells(places, kept, run)
-        feed = places.toolpath.feed[at[1:]]
+        at, s = _cells(stations, kept, run)
+        feed = stations.toolpath.feed[at[1:]]
         pace, slope, drift = law.states_at(s)[1], run.tip_slope(s), _drift(at, s, bending)
         for end in (slice(None, -1), slice(1, None)):
             speed = pace[end] * np.linalg.norm(slope[end] + drift, axis=1)
@@ -192,9 +191,9 @@ def excess_of_feed(fitted: Path, places: Places, kept: Ints, bending: Floats, tr
     return worst
 
 
-def _keeping_feed(run: PathRun, places: Places, kept: Ints, bending: Floats) -> PathRun:
-    at, s = _cells(places, kept, run)
-    path, leads = places.toolpath, places.origin[at[1:]]
+def _keeping_feed(run: PathRun, stations: Stations, kept: Ints, bending: Floats) -> PathRun:
+    at, s = _cells(stations, kept, run)
+    path, leads = stations.toolpath, stations.origin[at[1:]]
     point = at[1:]
     fed = np.isfinite(path.feed[point]) & (path.least_time[point] == 0.0)
     less = np.where(fed, 1.0 - 1.0 / _faster(run, at, s, bending), 0.0)
@@ -210,9 +209,9 @@ def _keeping_feed(run: PathRun, places: Places, kept: Ints, bending: Floats) -> 
     )
 
 
-def _cells(places: Places, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
+def _cells(stations: Stations, kept: Ints, run: PathRun) -> tuple[Ints, Floats]:
     """The places (k,) that a run goes along, without those that stand where another does, and its parameters there."""
-    at, s = parameters(places, kept, run)
+    at, s = parameters(stations, kept, run)
     # of places that stand together the last has the way that leads on, and the first the one that leads there
     moves = np.concatenate([[True], np.diff(s) > 0.0])
     return at[moves], s[moves]

@@ -37,6 +37,7 @@ FILE = TableFile("tool file", longest=100_000)
 LONGEST_LENGTH = 1.0
 """Most of a length in it [m]: more is a slip of units."""
 MOST_TEETH = 100
+"""Of a cutter: more is a slip."""
 SPINDLES = ("clockwise", "counterclockwise")
 CUTS: tuple[Milling | Literal["none"], ...] = (*MILLINGS, "none")
 PARTS = ("tool", "bending", "cutting", "engagement")

@@ -38,7 +38,7 @@ PLANNERS = ("optimal", "genetic", DIRECT)
 WORTH = 0.05
 """Time that a detour loses, up to which the optimal planner is not asked to win some of it: the detour is as short as
 limits allow, and the law beyond it is the fastest already [s]."""
-ROUNDS = 3
+MOST_ITERATIONS = 3
 """Rounds in which limits between the nodes are held before the law is slowed down: of 160 detours twenty rounds won 90
 and 7 ms on two, and took up to three times as long."""
 LONGEST = 25.0
@@ -113,7 +113,7 @@ class OneTry:
         """The law of one run. Raises InfeasibleError."""
         from toolpace.planning.optimal.planner import fastest_law
 
-        law, points = fastest_law(run, limits, self.mesh, start, end, self.guard, workers, progress, ROUNDS)
+        law, points = fastest_law(run, limits, self.mesh, start, end, self.guard, workers, progress, MOST_ITERATIONS)
         return PlannedRun(law, points)
 
 
@@ -144,17 +144,17 @@ def genetic_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Geneti
     if run.ends_here:
         return direct
     assert isinstance(direct, ChainLaw)
-    back, onward = direct.pieces
+    back, remaining = direct.pieces
     after = next_point(run)
     if after is None:
         return direct
     begin = back.end
-    end = begin + onward.law.passing_time(after) - onward.begin
+    end = begin + remaining.law.passing_time(after) - remaining.begin
     state = direct.at(np.array([begin, end]))
     # to the last digit, since the third derivative jumps there
     state[0] = run.join, after
     piece = shortened_piece(run, limits, LawPiece(direct, begin, end), state, planner)
-    return ChainLaw([back, piece, LawPiece(onward.law, onward.begin + (end - begin), onward.end)])
+    return ChainLaw([back, piece, LawPiece(remaining.law, remaining.begin + (end - begin), remaining.end)])
 
 
 def next_point(run: DetourRun) -> float | None:
@@ -218,6 +218,6 @@ def planned_law(run: DetourRun, limits: Limits, direct: TimeLaw, planner: Planne
     if whole:
         return law
     assert isinstance(direct, ChainLaw)
-    onward = direct.pieces[-1]
-    rest = LawPiece(onward.law, onward.begin + (met - float(direct.times[-2])), onward.end)
+    remaining = direct.pieces[-1]
+    rest = LawPiece(remaining.law, remaining.begin + (met - float(direct.times[-2])), remaining.end)
     return ChainLaw([LawPiece(law, 0.0, law.duration), rest])

@@ -16,7 +16,7 @@ from toolpace.planning.limit_tolerances import DETOUR
 STEP = 1e-6
 """Time by which joints are moved on to see the speed of the tip [s]: at speeds of 1 m/s and radii of 1 m the central
 difference is off by 1e-12 of it, and by 1e-10 m/s of rounding."""
-LOOKS = 8
+SAMPLES = 8
 """Looks at the tip in each step of a detour."""
 HALVINGS = 30
 """Of the time between two looks, to find when the feed falls: a nanosecond of a second."""
@@ -63,19 +63,19 @@ def feed_changes(rejoin: RejoinMotion, t: Floats) -> Floats:
     feed, begins = run.run.feed, run.run.block_start[1 : len(run.run.feed)]
     abreast = rejoin.abreast(t)
     # a place to rejoin may be one that was passed already
-    onward = abreast[-1] >= abreast[0]
-    first, last = (abreast[0], abreast[-1]) if onward else (abreast[-1], abreast[0])
+    forward = abreast[-1] >= abreast[0]
+    first, last = (abreast[0], abreast[-1]) if forward else (abreast[-1], abreast[0])
     places = begins[(feed[1:] != feed[:-1]) & (begins > first) & (begins <= last)]
     if len(places) == 0:
         return np.empty(0)
-    behind = np.clip(np.searchsorted(abreast if onward else -abreast, places if onward else -places), 1, len(t) - 1)
+    behind = np.clip(np.searchsorted(abreast if forward else -abreast, places if forward else -places), 1, len(t) - 1)
     low, high = t[behind - 1], t[behind]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         order = np.argsort(middle, kind="stable")
         there = np.empty_like(middle)
         there[order] = rejoin.abreast(middle[order])
-        passed = there >= places if onward else there < places
+        passed = there >= places if forward else there < places
         low, high = np.where(passed, low, middle), np.where(passed, middle, high)
     found: Floats = np.sort(np.concatenate([low, high]))
     return found
@@ -110,9 +110,9 @@ def fastest_braking(rates: Floats, start: Floats, t: Floats, limits: Limits, sha
     return left
 
 
-def looks_at(times: Floats) -> Floats:
+def sample_times(times: Floats) -> Floats:
     """(n,) times at which the tip is looked at, for the ends of steps (k + 1,)."""
-    inside = np.arange(LOOKS) / LOOKS
+    inside = np.arange(SAMPLES) / SAMPLES
     return np.append((times[:-1, None] + np.diff(times)[:, None] * inside).ravel(), times[-1])
 
 
@@ -126,9 +126,9 @@ def feed_used(rejoin: RejoinMotion, machine: Machine, t: Floats) -> Floats:
     return used
 
 
-def feed_used_at_looks(rejoin: RejoinMotion, machine: Machine) -> tuple[Floats, Floats]:
+def sampled_feed_use(rejoin: RejoinMotion, machine: Machine) -> tuple[Floats, Floats]:
     """Times (n,) of the looks at a way back, and the most (n,) of the feed used there and up to the next look."""
-    t = looks_at(rejoin.times)
+    t = sample_times(rejoin.times)
     used, changes = feed_used(rejoin, machine, t), feed_changes(rejoin, t)
     if len(changes):
         np.maximum.at(used, np.searchsorted(t, changes, side="right") - 1, feed_used(rejoin, machine, changes))
@@ -139,7 +139,7 @@ def above_feed(rejoin: RejoinMotion, machine: Machine | None) -> tuple[float, fl
     """Largest share of the feed by which the tip is above it on a way back, and the last time when it is [s]."""
     if machine is None:
         return 0.0, 0.0
-    t, ratio = feed_used_at_looks(rejoin, machine)
+    t, ratio = sampled_feed_use(rejoin, machine)
     over = np.flatnonzero(ratio > DETOUR)
     if len(over) == 0:
         return 0.0, 0.0

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, number
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
 from toolpace.deflection.compensation import CompensatedRun, Compensation, check_compensated_travel
-from toolpace.deflection.detour import DetourRun
+from toolpace.deflection.detour import DetourRun, skipped_by, skipped_in_words
 from toolpace.deflection.detour_law import Timing, direct_law, timing_of
 from toolpace.deflection.measured_pose import MOST, SAME_AXIS, found_tip, offset_in_words, pose_at
 from toolpace.deflection.motion_state import MotionState, RemainingMotion, on_path
@@ -33,7 +33,6 @@ from toolpace.deflection.rejoin.guaranteed import NOT_BEGUN, Standby
 from toolpace.deflection.rejoin.joint_splines import Problem
 from toolpace.deflection.rejoin.search import rejoin_of
 from toolpace.deflection.rejoin_motion import CommandedMotion
-from toolpace.deflection.skipped_stretches import skipped_by, skipped_in_words
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory

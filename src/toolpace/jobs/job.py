@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from toolpace.cutting.compensated_program import BendingCompensation
-    from toolpace.judge import Verification
+    from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
-    from toolpace.motion.setpoints import SetPoints
+    from toolpace.motion.setpoints import Block, SetPointSource
     from toolpace.motion.trajectory import Trajectory
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.planning.program_plan import FittedProgram, ProgramPlan
     from toolpace.programs.reading import Source
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
-    from toolpace.results.write import PlanRecord, PlanResult
+    from toolpace.results.write import PlanRecord, PlanResult, SetPointDigest
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -97,12 +97,13 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         trajectory = with_proof(job, steps, planned.trajectory)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
-        setpoints = sample_motion(job, steps, trajectory, toolpath)
-    verification = verify_motion(job, steps, setpoints, toolpath)
+        sampled = sample_motion(job, steps, trajectory, toolpath)
+    verification = verify_motion(steps, sampled.judge)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
-        setpoints=setpoints,
+        setpoints=sampled.points,
+        digest=sampled.digest,
         toolpath=toolpath,
         path=planned.path,
         effort=planned.effort,
@@ -270,28 +271,58 @@ def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:
         )
 
 
-def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> SetPoints:
-    """Set-points at equal times, within travel; the use of the limits between them is looked at on the way."""
-    with steps.step("sampling") as step:
-        sampled: list[SetPoints] = []
-        Workers().each(
-            lambda work: work(),
-            (lambda: sampled.append(trajectory.sample(job.dt, on_grid=True)), trajectory.usage),
-        )
-        setpoints = sampled[0]
-        job.machine.check_travel(setpoints.q, setpoints.block, toolpath.source)
-        step.note = f"{len(setpoints)} set-points"
-    return setpoints
+class Sampled(NamedTuple):
+    """A motion at equal times, seen by the judge, with what its folder will hold of it."""
+
+    points: SetPointSource
+    judge: MotionJudge
+    digest: SetPointDigest
 
 
-def verify_motion(job: Job, steps: TimedSteps, setpoints: SetPoints, toolpath: ToolPath) -> Verification:
-    """The judge's word on the set-points."""
-    from toolpace.judge import verify
+def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> Sampled:
+    """Set-points at equal times, within travel, block by block: each goes from the trajectory to the judge and to the
+    files. The use of the limits between them is looked at on the way.
+
+    All of them are in memory where the file holds them as they are, and where a tool bends.
+    """
+    from toolpace.common.errors import ReachError
+    from toolpace.judge import motion_judge
+    from toolpace.motion.files.set_point_files import form_of
+    from toolpace.motion.sampling import Sampling, each_block
+    from toolpace.motion.setpoints import in_memory
     from toolpace.programs.reading.setup_file import setup_text
+    from toolpace.results import write
 
-    sheet = setup_text(job.options.setup)
+    with steps.step("sampling") as step:
+        points: SetPointSource = Sampling(trajectory, job.dt, on_grid=True)
+        if job.tool is not None or form_of(job.npz, len(points), len(points.joints)) == "full":
+            points = trajectory.sample(job.dt, on_grid=True)
+        judge = motion_judge(
+            points, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.tool,
+            setup_text(job.options.setup),
+        )  # fmt: skip
+        digest = write.digest_of(job.machine, trajectory, points, toolpath, report=job.report, npz=job.npz)
+
+        def check_travel(block: Block) -> None:
+            job.machine.check_travel(block.points.q, block.points.block, toolpath.source)
+
+        def go_through() -> None:
+            each_block(points, (check_travel, judge.take, digest.take))
+
+        try:
+            Workers().each(lambda work: work(), (go_through, trajectory.usage))
+        except ReachError:
+            every = in_memory(points)
+            job.machine.check_travel(every.q, every.block, toolpath.source)
+            raise
+        step.note = f"{len(points)} set-points"
+    return Sampled(points, judge, digest)
+
+
+def verify_motion(steps: TimedSteps, judge: MotionJudge) -> Verification:
+    """The judge's word on the set-points that it has seen."""
     with steps.step("verifying"):
-        return verify(setpoints, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.dt, job.tool, sheet)
+        return judge.judged()[0]
 
 
 def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:

@@ -101,7 +101,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         time = of_operations(best, moves, change)
     else:
         time = time_of_moves(moves, request.machine, figures, change)
-    told = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
+    tolerances = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
     least = sum(each.time for each in best) + time.sum("tool_change") if best else None
     return Timed(
         program,
@@ -112,7 +112,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         best=best,
         optimum=time.total if planned and waits_only else least,
         assumed=findings.assumptions,
-        program_tolerance=(float(told.min()), float(told.max())) if len(told) else None,
+        program_tolerance=(float(tolerances.min()), float(tolerances.max())) if len(tolerances) else None,
         model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
     )
 
@@ -163,8 +163,8 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
         }
         for part in time.parts
     ]
-    told = found.program_tolerance
-    entry["program_tolerance_mm"] = None if told is None else [each / MILLIMETRE for each in told]
+    tolerances = found.program_tolerance
+    entry["program_tolerance_mm"] = None if tolerances is None else [each / MILLIMETRE for each in tolerances]
     entry["exceeded"] = [
         {"kind": each.kind, "axis": each.axis, "ratio": each.ratio, "corners": each.corners, "line": each.line}
         for each in time.exceeded

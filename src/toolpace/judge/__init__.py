@@ -7,28 +7,49 @@ positions, the tool comes from the machine's forward kinematics, and the way alo
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
+from toolpace.judge import seen_motion
 from toolpace.judge.figures import Figures
-from toolpace.judge.largest import Peaks, each_block
-from toolpace.judge.motion import column_checks, motion_checks, rest_checks, step_check
-from toolpace.judge.program import ProgramJudgement, program_checks
-from toolpace.judge.tool import forward_kinematics, length_checks, pole_rounding, tool_checks, tool_table
+from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, step_check
+from toolpace.judge.program import JudgedProgram, ProgramJudgement
+from toolpace.judge.rows import Stretch
+from toolpace.judge.seen_motion import (
+    ORDERS,
+    BlockPeaks,
+    BlockTool,
+    JerkWindows,
+    Largest,
+    Peaks,
+    SeenMotion,
+    StillSteps,
+    difference_beyond_rounding,
+    each_block,
+    even_rows,
+    largest_misfits,
+)
+from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_lengths, tool_table
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import REACH, Block, SetPoints, SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
-__all__ = ["Check", "Verification", "verify"]
+__all__ = ["Check", "MotionJudge", "Verification", "motion_judge", "verify", "verify_plan"]
+
+
+COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length")
+"""Of numbers, each of which must be one."""
 
 
 class Sampled(Protocol):
@@ -71,7 +92,9 @@ def verify(
     if tool is not None and not isinstance(tool, CuttingTool):
         raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
-    return _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, dt, tool, sheet)[0]
+    found = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)[0]
+    # without a number there is no step: it is that which was asked for
+    return replace(found, dt=dt) if math.isnan(found.dt) else found
 
 
 def verify_plan(
@@ -89,7 +112,7 @@ def verify_plan(
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, math.nan, tool, sheet)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -102,80 +125,206 @@ def _judged(
     toolpath: ToolPath | None,
     tip_tolerance: float | Tolerances,
     axis_tolerance: float | Tolerances,
-    dt: float,
     tool: CuttingTool | None,
     sheet: str,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
+    judge = motion_judge(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
+    if len(points):
+        each_block(lambda begin, end: judge.take(Block.of(points, begin, end)), len(points))
+    return judge.judged()
+
+
+def motion_judge(
+    source: SetPointSource,
+    machine: Machine | Limits,
+    toolpath: ToolPath | None,
+    tip_tolerance: float | Tolerances,
+    axis_tolerance: float | Tolerances,
+    tool: CuttingTool | None = None,
+    sheet: str = "",
+) -> MotionJudge:
+    """A judge who takes the motion block by block; the rest as for `verify`, and UsageError as there.
+
+    Where a tool bends, all set-points are taken again at once.
+    """
     if not isinstance(machine, Limits):
         check_machine(machine, "verify", "a Machine, or Limits")
     limits = machine if isinstance(machine, Limits) else machine.limits
-    if points.q.shape[1] != len(limits.velocity):
+    if len(source.joints) != len(limits.velocity):
         raise UsageError(
-            f"set-points of {points.q.shape[1]} joints ({', '.join(points.joints)}), "
+            f"set-points of {len(source.joints)} joints ({', '.join(source.joints)}), "
             f"limits of {len(limits.velocity)} ({', '.join(limits.joints)})"
         )
-    tip_tolerance, axis_tolerance = (
-        Tolerances.of(tip_tolerance, "tip_tolerance"),
-        Tolerances.of(axis_tolerance, "axis_tolerance"),
-    )
-    first = _finite(points)
-    if first is not None:
-        return Verification((first,), dt, len(points)), None
-    step, checks = step_check(points)
-    if not checks[0].ok:
-        return Verification(tuple(checks), step, len(points)), None
-    units = _units(machine)
-    rounding = cache(lambda: pole_rounding(points.q, machine)) if isinstance(machine, Machine) else None
-    peaks = Peaks.of(points, step)
-    checks += motion_checks(points, limits, units, peaks, rounding)
-    checks += column_checks(points, limits, units, peaks)
-    checks += rest_checks(points, limits, units, peaks)
-    judged = ProgramJudgement([], math.nan, math.nan)
-    if isinstance(machine, Machine):
-        checks += _names(points, machine)
-        tip, axis = forward_kinematics(points, machine)
-        checks += tool_checks(points, machine, tip, axis)
-        if toolpath is not None:
-            checks += length_checks(points, machine, toolpath, tool_table(sheet))
-            judged = program_checks(points, machine, toolpath, tip, axis, tip_tolerance, axis_tolerance, step, tool)
-            checks += judged.checks
-    deviations = judged.tip_deviation, judged.axis_deviation
-    return Verification(tuple(checks), step, len(points), *deviations, judged.bending), judged
+    tip, axis = Tolerances.of(tip_tolerance, "tip_tolerance"), Tolerances.of(axis_tolerance, "axis_tolerance")
+    program = None
+    if toolpath is not None and isinstance(machine, Machine):
+        program = JudgedProgram(toolpath, machine, tip, axis, tool)
+    return MotionJudge(source, machine, program, sheet)
 
 
-def _names(points: SetPoints, machine: Machine) -> list[Check]:
-    """A failed check if the columns are not named after the machine's joints, in their order."""
-    if points.joints == machine.joints:
-        return []
-    note = f"columns are named {', '.join(points.joints)}, the machine's joints are {', '.join(machine.joints)}"
-    return [Check("joints", 0.0, 0.0, "", False, note=note)]
+class _Notes(NamedTuple):
+    """What is kept of a block."""
+
+    peaks: BlockPeaks
+    misfits: tuple[Largest, Largest]
+    jerks: JerkWindows
+    tool: BlockTool | None
+    still: StillSteps
+    stretch: Stretch | None
 
 
-def _units(machine: Machine | Limits) -> list[str]:
-    """The unit of each joint; bare limits do not tell."""
-    if isinstance(machine, Machine):
-        return ["rad" if rotary else "m" for rotary in machine.is_rotary]
-    return [""] * len(machine.joints)
+class MotionJudge:
+    """Takes a motion block by block, in any order and in any thread, and judges it once it has taken all."""
 
+    def __init__(
+        self, source: SetPointSource, machine: Machine | Limits, program: JudgedProgram | None = None, sheet: str = ""
+    ) -> None:
+        """Take where the set-points are from, the machine, the program, and the text of the set-up sheet."""
+        self.source, self.program, self.sheet = source, program, sheet
+        self.machine = machine if isinstance(machine, Machine) else None
+        self.limits = machine if isinstance(machine, Limits) else machine.limits
+        self.block = np.empty(len(source), dtype=np.int64)
+        self._notes: dict[int, _Notes] = {}
+        self._bad: dict[str, tuple[int, int]] = {}
+        self._lock = threading.Lock()
+        finite = len(source) > 0 and bool(np.isfinite(source.t).all())
+        self.step, self._steps = step_check(source) if finite else (math.nan, [])
+        self._goes_on = finite and self._steps[0].ok
 
-def _finite(points: SetPoints) -> Check | None:
-    """A failed check if there is no set-point, or one that is no number."""
-    if len(points) == 0:
-        return Check("set-points", 0.0, 1.0, "", False, note="there is none")
-    columns = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "tool_length")
+    @cached_property
+    def _even(self) -> int:
+        return even_rows(self.source.t, self.step)
 
-    def all_finite(begin: int, end: int) -> bool:
-        return all(bool(np.isfinite(getattr(points, name)[begin:end]).all()) for name in columns)
+    @cached_property
+    def _tool_lengths(self) -> Floats:
+        if self.program is None or self.machine is None:
+            return np.zeros(0)
+        return np.unique(tool_lengths(self.machine, self.program.toolpath)[1:])
 
-    if all(each_block(all_finite, len(points))):
+    def take(self, block: Block) -> None:
+        """Look at a block, in parts that stay in the nearest cache."""
+        near = block.near
+        if not all(_finite(getattr(near, name)) for name in COLUMNS):
+            self._note_bad(block)
+            return
+        self.block[block.begin : block.end] = block.points.block
+        if not self._goes_on:
+            return
+        for begin in range(block.begin, block.end, seen_motion.ROWS):
+            self._look(block, begin, min(begin + seen_motion.ROWS, block.end))
+
+    def _look(self, block: Block, begin: int, end: int) -> None:
+        """Note what is to be said of the rows from `begin` to `end` of a block."""
+        behind, jumpy, limits = min(end, block.of_all - 1), jumpy_joints(self.limits), self.limits
+        tool = stretch = None
+        if self.machine is not None:
+            first = max(begin - REACH, block.first)
+            rows = slice(first - block.first, end + REACH - block.first)
+            q, lengths = block.near.q[rows], block.near.tool_length[rows]
+            tip, axis = self.machine.forward(q, lengths if len(lengths) else None)
+            tool = BlockTool.of(block, begin, end, tip, axis, first, self._tool_lengths)
+            if self.program is not None and self.program.bent is None and behind > begin:
+                poses = self.program.poses(tip, axis)
+                stretch = Stretch.of(block, poses, first, limits, self.step, begin, behind)
+        self._notes[begin] = _Notes(
+            BlockPeaks.of(block, begin, end, self._even),
+            largest_misfits(block, begin, behind, jumpy),
+            JerkWindows.of(block, begin, behind, np.flatnonzero(~jumpy)),
+            tool,
+            StillSteps.of(block, begin, behind, limits, self.step),
+            stretch,
+        )
+
+    def _note_bad(self, block: Block) -> None:
+        """Keep the first number of each column that is none."""
+        self.block[block.begin : block.end] = block.points.block
+        for name in COLUMNS:
+            bad = np.argwhere(~np.isfinite(getattr(block.points, name)))
+            if len(bad):
+                row, *column = (int(each) for each in bad[0])
+                place = block.begin + row, column[0] if column else 0
+                with self._lock:
+                    self._bad[name] = min(place, self._bad.get(name, place))
+
+    def judged(self) -> tuple[Verification, ProgramJudgement | None]:
+        """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
+        count = len(self.source)
+        first = self._not_finite()
+        if first is not None:
+            return Verification((first,), math.nan, count), None
+        if not self._goes_on:
+            return Verification(tuple(self._steps), self.step, count), None
+        stretches: list[Stretch] = []
+        seen, machine, program = self._seen(stretches), self.machine, self.program
+        units = [""] * len(seen.joints)
+        if machine is not None:
+            units = ["rad" if rotary else "m" for rotary in machine.is_rotary]
+        checks = self._steps + motion_checks(seen, self.limits, units, self._beyond if machine is not None else None)
+        checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
+        judged = ProgramJudgement([], math.nan, math.nan)
+        if machine is not None:
+            checks += self._names(machine) + tool_checks(seen, machine)
+            if program is not None:
+                checks += length_checks(seen, machine, program.toolpath, tool_table(self.sheet))
+                judged = program.judge(seen, stretches, self.source)
+                checks += judged.checks
+        deviations = judged.tip_deviation, judged.axis_deviation
+        return Verification(tuple(checks), self.step, count, *deviations, judged.bending), judged
+
+    def _seen(self, stretches: list[Stretch]) -> SeenMotion:
+        """All notes as one, and the stretches."""
+        notes, count, source = [self._notes.pop(begin) for begin in sorted(self._notes)], len(self.source), self.source
+        stretches += [each.stretch for each in notes if each.stretch is not None]
+        of_q, of_qd = zip(*(each.misfits for each in notes))
+        ending = source.rows(max(count - 1 - ORDERS[-1], 0), count)
+        tools = [each.tool for each in notes if each.tool is not None]
+        tool = None
+        if tools:
+            tool = BlockTool.of_all(tools)
+        return SeenMotion(
+            source.joints, source.t, self.block, source.rows(0, 2), ending,
+            Peaks.of_all([each.peaks for each in notes], source.t, ending.q, self.step),
+            (Largest.of_all(of_q), Largest.of_all(of_qd)), JerkWindows.of_all([each.jerks for each in notes]),
+            StillSteps(*(np.concatenate(each) for each in zip(*(each.still for each in notes)))), tool,
+        )  # fmt: skip
+
+    def _beyond(self, order: int, joint: int) -> tuple[float, int]:
+        """Largest difference of an order and a joint beyond rounding near poles, and where."""
+        q, rounding = self._rounded
+        return difference_beyond_rounding(q[:, joint], self.source.t, order, self.step, rounding[:, joint])
+
+    @cached_property
+    def _rounded(self) -> tuple[Floats, Floats]:
+        """(n, m) all positions, and what they may be off by near poles."""
+        assert self.machine is not None
+        count = len(self.source)
+        blocks = [self.source.rows(k, min(k + seen_motion.ROWS, count)).q for k in range(0, count, seen_motion.ROWS)]
+        return np.concatenate(blocks), np.concatenate([pole_rounding(q, self.machine) for q in blocks])
+
+    def _names(self, machine: Machine) -> list[Check]:
+        """A failed check if the columns are not named after the machine's joints, in their order."""
+        joints = self.source.joints
+        if joints == machine.joints:
+            return []
+        note = f"columns are named {', '.join(joints)}, the machine's joints are {', '.join(machine.joints)}"
+        return [Check("joints", 0.0, 0.0, "", False, note=note)]
+
+    def _not_finite(self) -> Check | None:
+        """A failed check if there is no set-point, or one that is no number."""
+        if not len(self.source):
+            return Check("set-points", 0.0, 1.0, "", False, note="there is none")
+        for name in COLUMNS:
+            if name in self._bad:
+                row, column = self._bad[name]
+                joint = self.source.joints[column] if name in ("q", "qd", "qdd", "qddd") else ""
+                time, block = float(self.source.t[row]), int(self.block[row])
+                note = f"set-point {row}: {name} is not a number"
+                return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
         return None
-    for name in columns:
-        bad = ~np.isfinite(getattr(points, name))
-        if bad.any():
-            row, *column = np.argwhere(bad)[0]
-            joint = points.joints[column[0]] if name in ("q", "qd", "qdd", "qddd") else ""
-            time, block = float(points.t[row]), int(points.block[row])
-            note = f"set-point {row}: {name} is not a number"
-            return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
-    return None
+
+
+def _finite(values: Floats) -> bool:
+    """Whether all are finite: their sum tells, but for that of numbers near the largest there are."""
+    with np.errstate(all="ignore"):
+        return math.isfinite(float(values.sum())) or bool(np.isfinite(values).all())

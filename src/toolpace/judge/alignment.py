@@ -112,8 +112,7 @@ class _LostError(Exception):
 
 def _follow(sweep: Sweep, motion: Floats, work: int) -> list[tuple[int, float]]:
     """Sweep along the motion to its end; where it cannot go on, raise the radius. Returns where, and how far."""
-    last = len(motion) - 1
-    length = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(motion, axis=0) ** 2).sum(axis=1)))))
+    last, length = len(motion) - 1, np.empty(0)
     deviations: list[tuple[int, float]] = []
     reached, widest = -1, 2.0
     while True:
@@ -121,6 +120,8 @@ def _follow(sweep: Sweep, motion: Floats, work: int) -> list[tuple[int, float]]:
         if reached == last and sweep.ends():
             return deviations
         stuck = min(reached + 1, last)
+        if not len(length):
+            length = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(motion, axis=0) ** 2).sum(axis=1)))))
         for_good = len(deviations) >= MOST_REPAIRS
         sweep.work = work
         reached, distance = _Repair(sweep, length, stuck, for_good).carry_out(widest if for_good else 2.0)
@@ -223,24 +224,24 @@ def _finish(sweep: Sweep) -> Alignment:
 
     n, line = len(sweep.rows), sweep.line
     turned = Sweep(
-        np.ascontiguousarray(sweep.rows[::-1]),
-        np.ascontiguousarray(sweep.room[::-1]),
-        Line(*(np.ascontiguousarray(each[::-1]) for each in (line.poses, line.extra, line.room))),
-        np.ascontiguousarray(sweep.radius[::-1]) + ROUNDING,
-    )
+        _turned(sweep.rows), _turned(sweep.room), Line(*map(_turned, (line.poses, line.extra, line.room))),
+        _turned(sweep.radius) + ROUNDING,
+    )  # fmt: skip
     if turned.run(-1, n - 1) < n - 1:
         raise AssertionError("a way that leads there leads back")
-    begin = np.empty(n + 1, dtype=np.int64)
-    room = len(sweep.low)
+    begin, room = np.empty(n + 1, dtype=np.int64), len(sweep.low)
+    from_end, end_low, end_high = turned.begin, turned.low, turned.high
+    # of a long motion its poses take more memory than all places
+    del turned
     while True:
         low, high = np.empty(room), np.empty(room)
         count = both_ways(
-            sweep.begin, sweep.low, sweep.high, turned.begin, turned.low, turned.high, float(line.last), begin, low,
-            high,
+            sweep.begin, sweep.low, sweep.high, from_end, end_low, end_high, float(line.last), begin, low, high,
         )  # fmt: skip
         if count <= room:
             break
         room = int(count)
+    del from_end, end_low, end_high
     place, tip, axis = np.zeros(n), np.full(n, np.inf), np.full(n, np.inf)
     nearest(sweep.rows, room_at_poses(sweep.room), line.poses, line.room, begin, low, high, place, tip, axis)
     return Alignment(begin, low, high, place, tip, axis)
@@ -248,10 +249,17 @@ def _finish(sweep: Sweep) -> Alignment:
 
 def room_at_poses(room: Floats) -> Floats:
     """(n, 2) the least room of both ways (n - 1, 2) that meet at a pose."""
+    if not room.any():
+        return np.zeros((len(room) + 1, 2))
     least = np.empty((len(room) + 1, 2))
     least[[0, -1]] = room[[0, -1]]
     np.minimum(room[:-1], room[1:], out=least[1:-1])
     return least
+
+
+def _turned(values: Floats) -> Floats:
+    """Rows in the opposite order."""
+    return np.ascontiguousarray(values[::-1]) if values.any() else np.zeros(values.shape)
 
 
 def _no_room(poses: Floats) -> Floats:

@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.alignment import Lost, align
 from toolpace.judge.rows import motion_row, way_begins
-from toolpace.judge.tool import ways
+from toolpace.judge.seen_motion import ways
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import Cut, CuttingTool
 from toolpace.machine.machine import Machine
@@ -120,7 +120,7 @@ class BentTool:
         self, points: SetPoints, bent: Floats, axis: Floats, way: Ints, tables: list[ForceTable]
     ) -> Floats:
         """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`; blended."""
-        step = ways(points, bent, axis, 0, len(points) - 1)
+        step = ways(points.tool_length, bent, axis, 0, len(points) - 1)
         turn = tool_in_workpiece(self.machine, 0.5 * (points.q[:-1] + points.q[1:]))
         spindle = turn[:, :, 2]
         across = step - (step * spindle).sum(axis=1, keepdims=True) * spindle

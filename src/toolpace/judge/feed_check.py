@@ -13,8 +13,8 @@ from toolpace.common.value_objects import counted
 from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
+from toolpace.judge.seen_motion import SeenMotion
 from toolpace.judge.verification import Check
-from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.toolpath import ToolPath
 
 Number = TypeVar("Number", np.float64, np.int64)
@@ -46,34 +46,28 @@ class FeedUse:
         """The largest of them: the feed is used to this share at least."""
         return float(self.ratio.max(initial=0.0))
 
-    def check(self, points: SetPoints) -> Check:
+    def check(self, seen: SeenMotion) -> Check:
         """The speed of the tip against the largest feed of the blocks that it can be in, in order."""
         over = self.ratio
         k = int(np.argmax(over))
         ok = bool(over[k] <= 1.0 + TOLERANCE)
-        time, block = float(points.t[k]), int(points.block[k + 1])
+        time, block = float(seen.t[k]), int(seen.block[k + 1])
         speed, cap = float(self.speed[k]), float(self.cap[k])
         note = f"not told of {counted(self.untold, 'block')} within the tolerance of a faster one" * (self.untold > 0)
         return Check("feed", speed, cap, "m/s", ok, time, block, note=note, noise=float(self.noise[k]))
 
 
 def feed_use(
-    points: SetPoints,
-    toolpath: ToolPath,
-    motion: MotionRow,
-    there: Alignment,
-    owner: Ints,
-    tip: Floats,
-    lengths: Floats,
-    tolerances: Floats,
+    seen: SeenMotion, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tolerances: Floats
 ) -> FeedUse | None:
-    """How fast the tip at (n, 3), which goes as far as `lengths` (n - 1,) [m] in each step, goes for the feeds of the
-    program; None where it has none. `tolerances` (p, 2) of tip [m] and axis [rad] on the way to each of its points."""
+    """How fast the tip goes for the feeds of the program; None where it has none. `tolerances` (p, 2) of tip [m] and
+    axis [rad] on the way to each of its points."""
     if not np.isfinite(toolpath.feed[1:]).any():
         return None
-    steps = np.diff(points.t)
-    speed = lengths / steps
-    noise = 8.0 * float(np.finfo(np.float64).eps) * max(float(tip.max()), -float(tip.min()), 1.0) / steps
+    assert seen.tool is not None
+    steps = np.diff(seen.t)
+    speed = seen.tool.lengths / steps
+    noise = 8.0 * float(np.finfo(np.float64).eps) * max(seen.tool.farthest, 1.0) / steps
     cap = _largest(toolpath.feed, motion, there, owner)
     with np.errstate(divide="ignore"):
         slowest = _largest(1.0 / toolpath.feed, motion, there, owner)
@@ -118,23 +112,23 @@ def _largest(value: Floats, motion: MotionRow, there: Alignment, owner: Ints) ->
     return found
 
 
-def block_check(points: SetPoints, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints) -> list[Check]:
+def block_check(seen: SeenMotion, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints) -> list[Check]:
     """Whether the block of each set-point is one of those that it can be in."""
     from toolpace.kernels.judge.matching import named
 
     start, block = _stretches(owner, toolpath.block)
-    found = np.zeros(len(points), dtype=bool)
+    found = np.zeros(len(seen.block), dtype=bool)
     row = motion.row
     begin, low, high = _of_setpoints(there, row)
-    named(begin, low, high, start, block, np.argsort(block, kind="stable"), points.block.copy(), found)
+    named(begin, low, high, start, block, np.argsort(block, kind="stable"), seen.block, found)
     wrong = int(len(found) - found.sum())
     if not wrong:
         return [Check("block column", 0.0, 0.0, "", True, note="every set-point is in its block")]
     k = int(np.argmin(found))
     place = int(there.place[row[k]])
     right = int(toolpath.block[owner[min(place + 1, len(owner) - 1)]])
-    note = f"{wrong} set-points name a block that they are not in; the first says {points.block[k]}, it is in {right}"
-    return [Check("block column", float(wrong), 0.0, "", False, float(points.t[k]), right, note=note)]
+    note = f"{wrong} set-points name a block that they are not in; the first says {seen.block[k]}, it is in {right}"
+    return [Check("block column", float(wrong), 0.0, "", False, float(seen.t[k]), right, note=note)]
 
 
 def _of_setpoints(there: Alignment, row: Ints) -> tuple[Ints, Floats, Floats]:

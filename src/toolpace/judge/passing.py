@@ -15,12 +15,12 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import printable
 from toolpace.judge.alignment import Alignment
-from toolpace.judge.motion import TOLERANCE, still_step
+from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
+from toolpace.judge.seen_motion import SeenMotion, still_step
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.toolpath import ToolPath
 
 HIDDEN = 2
@@ -37,7 +37,7 @@ SAME = 1e-9
 class Passing:
     """Places of the motion at which each point of the program can be passed, in order."""
 
-    points: SetPoints
+    seen: SeenMotion
     toolpath: ToolPath
     motion: MotionRow
     back: Alignment
@@ -80,8 +80,8 @@ class Passing:
         if not len(stops):
             return []
         # The step that holds a rest for an instant is at most the first one out of rest; within a dwell nothing moves.
-        rests = still_runs(self.points, machine, dt, 1.0 + TOLERANCE)
-        waits = still_runs(self.points, machine, dt, CREEP)
+        rests = still_runs(self.seen, machine, dt, 1.0 + TOLERANCE)
+        waits = still_runs(self.seen, machine, dt, CREEP)
         found, at = np.zeros(len(stops)), np.zeros(len(stops))
         used = 0.0  # the set-point up to which standing still has been counted
         for k, stop in enumerate(stops):
@@ -89,7 +89,7 @@ class Passing:
             shows = float(dwell[stop]) >= HIDDEN * dt
             need = max(float(dwell[stop]) / dt - HIDDEN, 1.0)
             begin, most = self.longest(self.line[stop], waits if shows else rests, used, need - 1e-6)
-            found[k], at[k] = most * dt, self.points.t[min(int(begin), len(self.points) - 1)]
+            found[k], at[k] = most * dt, self.seen.t[min(int(begin), len(self.seen.t) - 1)]
             if shows:
                 used = max(used, begin + min(most, need))
         return self._judged(stops, found, at, dt)
@@ -141,18 +141,19 @@ class Passing:
     def setpoint(self, place: float, *, latest: bool) -> float:
         """Steps from set-point to set-point, and a share of the next one, that have passed at a place of the motion."""
         time = float(self.motion.times(np.array([place]), latest=latest)[0])
-        t = self.points.t
+        t = self.seen.t
         k = min(int(np.searchsorted(t, time, side="right")) - 1, len(t) - 2)
         return k + min((time - float(t[k])) / float(t[k + 1] - t[k]), 1.0)
 
 
-def still_runs(points: SetPoints, machine: Machine, dt: float, share: float) -> Ints:
+def still_runs(seen: SeenMotion, machine: Machine, dt: float, share: float) -> Ints:
     """(k, 2) first and last set-point of each stretch in which no step is longer than a share of the first one out of
     rest."""
-    rounding = 8.0 * float(np.finfo(np.float64).eps) * np.maximum(np.abs(points.q).max(axis=0), 1.0)
+    rounding = 8.0 * float(np.finfo(np.float64).eps) * np.maximum(seen.peaks.position, 1.0)
     most = share * still_step(machine.limits, dt) + rounding
-    still = (np.abs(np.diff(points.q, axis=0)) <= most).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
+    still = np.zeros(len(seen.t) + 1, dtype=bool)
+    still[1 + seen.still.step[(seen.still.moved <= most).all(axis=1)]] = True
+    edges = np.flatnonzero(np.diff(still.astype(np.int8)))
     return np.column_stack((edges[::2], edges[1::2]))
 
 

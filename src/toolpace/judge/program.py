@@ -12,12 +12,13 @@ from toolpace.judge.alignment import Alignment, BothWays, Lost, align
 from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, block_check, feed_use
 from toolpace.judge.passing import Passages, Passing
-from toolpace.judge.rows import MotionRow, motion_row, program_line
-from toolpace.judge.tool import way_lengths
+from toolpace.judge.rows import MotionRow, Stretch, joined, motion_row, program_line
+from toolpace.judge.seen_motion import SeenMotion
+from toolpace.judge.tool import forward_kinematics
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
@@ -40,56 +41,67 @@ class ProgramJudgement:
     """The most that the tool bends [m]."""
 
 
-def program_checks(
-    points: SetPoints,
-    machine: Machine,
-    toolpath: ToolPath,
-    tip: Floats,
-    axis: Floats,
-    tip_tolerance: float | Tolerances,
-    axis_tolerance: float | Tolerances,
-    dt: float,
-    tool: CuttingTool | None = None,
-) -> ProgramJudgement:
-    """Judge set-points, with their forward kinematics `tip` and `axis`, against the program.
+class JudgedProgram:
+    """A program that motions are judged against, each block by its own tolerances."""
 
-    Each block is judged by its own tolerances. With a tool that bends, it is the bent tip that must be where the
-    program says; feeds are those of the tip itself.
-    """
-    wanted = (
-        Tolerances.of(tip_tolerance, "tip_tolerance").tip_beside_chords(toolpath),
-        Tolerances.of(axis_tolerance, "axis_tolerance").axis_along(toolpath),
-    )
-    tolerances = ProgramTolerances(np.stack(wanted, axis=1))
-    tip_unit, axis_unit = units = tolerances.least
-    line, owner = program_line(toolpath, machine, tip_unit, axis_unit)
-    room = (1.0 + GRACE) * (tolerances.along[owner[1:]] / units - 1.0)
-    bent = BentTool(tool, machine, toolpath) if tool is not None else None
-    where: Floats | Lost = tip
-    if bent is not None:
-        where = bent.tips(points, tip, axis, line, owner, tolerances.along, dt)
-    there = tip if isinstance(where, Lost) else where
-    motion = motion_row(points, np.hstack((there / tip_unit, axis / axis_unit)), machine.limits, dt)
-    found = where if isinstance(where, Lost) else align(motion.poses, line, 1.0 + GRACE, motion.allowance, room)
-    judge = _Judge(points, toolpath, motion, owner, tolerances)
-    if isinstance(found, Lost):
-        return judge.lost(found)
-    checks = judge.nearness(found)
-    outward = Tolerances.of(tip_tolerance, "tip_tolerance").outward_along(toolpath)
-    if outward is not None:
-        checks.append(
-            side_check(points, motion, found.there, line, owner, outward, float(tip_unit), GRACE * float(tip_unit))
-        )
-    passing = Passing(points, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
-    use = feed_use(points, toolpath, motion, found.there, owner, tip, way_lengths(points, tip, axis), tolerances.along)
-    checks += [use.check(points)] if use is not None else []
-    checks += passing.least_times(dt) + passing.stops(machine, dt)
-    checks += block_check(points, toolpath, motion, found.there, owner)
-    worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_unit
-    worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_unit
-    bending = float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
-    checks += [bent.check(bending)] if bent is not None else []
-    return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages(), bending)
+    def __init__(
+        self, toolpath: ToolPath, machine: Machine, tip: Tolerances, axis: Tolerances, tool: CuttingTool | None
+    ) -> None:
+        """Take the tolerances of tip [m] and axis [rad], and the tool where it bends: it is then the bent tip that must
+        be where the program says; feeds are those of the tip itself."""
+        self.toolpath, self.machine = toolpath, machine
+        along = np.stack((tip.tip_beside_chords(toolpath), axis.axis_along(toolpath)), axis=1)
+        self.tolerances = ProgramTolerances(along)
+        self.units = self.tolerances.least
+        self.line, self.owner = program_line(toolpath, machine, *self.units.tolist())
+        self.outward = tip.outward_along(toolpath)
+        self.bent = BentTool(tool, machine, toolpath) if tool is not None else None
+
+    def poses(self, tip: Floats, axis: Floats) -> Floats:
+        """(n, 6) of tips and axes (n, 3), in the narrowest tolerances."""
+        found: Floats = np.empty((len(tip), 6))
+        np.divide(tip, self.units[0], out=found[:, :3])
+        np.divide(axis, self.units[1], out=found[:, 3:])
+        return found
+
+    def judge(self, seen: SeenMotion, stretches: list[Stretch], points: SetPointSource) -> ProgramJudgement:
+        """The verdict on a motion of which these are the rows; `points` are all of it where the tool bends."""
+        dt, bending, lost = seen.peaks.dt, 0.0, None
+        if self.bent is None:
+            motion = joined(stretches, seen.t, self.poses(*forward_kinematics(seen.end, self.machine))[-1])
+        else:
+            every = points.rows(0, len(points))
+            tip, axis = forward_kinematics(every, self.machine)
+            where = self.bent.tips(every, tip, axis, self.line, self.owner, self.tolerances.along, dt)
+            lost, there = (where, tip) if isinstance(where, Lost) else (None, where)
+            motion = motion_row(every, self.poses(there, axis), self.machine.limits, dt)
+            bending = float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
+        room = (1.0 + GRACE) * (self.tolerances.along[self.owner[1:]] / self.units - 1.0)
+        found = lost or align(motion.poses, self.line, 1.0 + GRACE, motion.allowance, room)
+        judge = _Judge(seen, self.toolpath, motion, self.owner, self.tolerances)
+        if isinstance(found, Lost):
+            return judge.lost(found)
+        return self.matched(seen, motion, found, judge, bending)
+
+    def matched(
+        self, seen: SeenMotion, motion: MotionRow, found: BothWays, judge: _Judge, bending: float
+    ) -> ProgramJudgement:
+        """The verdict on a motion that goes with the program."""
+        toolpath, owner, dt = self.toolpath, self.owner, seen.peaks.dt
+        tip_unit, axis_unit = self.units
+        checks = judge.nearness(found)
+        if self.outward is not None:
+            unit = float(tip_unit)
+            checks.append(side_check(seen, motion, found.there, self.line, owner, self.outward, unit, GRACE * unit))
+        passing = Passing(seen, toolpath, motion, found.back, np.flatnonzero(np.diff(owner, append=len(toolpath)) > 0))
+        use = feed_use(seen, toolpath, motion, found.there, owner, self.tolerances.along)
+        checks += [use.check(seen)] if use is not None else []
+        checks += passing.least_times(dt) + passing.stops(self.machine, dt)
+        checks += block_check(seen, toolpath, motion, found.there, owner)
+        worst_tip = max(float(way.tip.max()) for way in (found.there, found.back)) * tip_unit
+        worst_axis = max(float(way.axis.max()) for way in (found.there, found.back)) * axis_unit
+        checks += [self.bent.check(bending)] if self.bent is not None else []
+        return ProgramJudgement(checks, worst_tip, _angle(worst_axis), use, passing.passages(), bending)
 
 
 @dataclass(frozen=True)
@@ -110,7 +122,7 @@ class ProgramTolerances:
 class _Judge:
     """What all comparisons with a program share."""
 
-    points: SetPoints
+    seen: SeenMotion
     toolpath: ToolPath
     motion: MotionRow
     owner: Ints
@@ -172,7 +184,7 @@ class _Judge:
         note = "at least; the motion is not that of this program, and is not compared with it beyond this place"
         check = Check(
             "tip or axis, set-points to program", tip, float(least[0]), "m", False, time,
-            int(self.points.block[self.motion.first[lost.pose]]), note=note,
+            int(self.seen.block[self.motion.first[lost.pose]]), note=note,
         )  # fmt: skip
         return ProgramJudgement([check], tip, _angle(axis))
 
@@ -183,7 +195,7 @@ def _angle(chord: float) -> float:
 
 
 def side_check(
-    points: SetPoints,
+    seen: SeenMotion,
     motion: MotionRow,
     there: Alignment,
     line: Floats,
@@ -207,7 +219,7 @@ def side_check(
     depth = -unit * np.maximum(*above) - unit * motion.allowance
     k = int(np.argmax(depth))
     deepest = max(float(depth[k]), 0.0)
-    block = int(points.block[motion.first[k]])
+    block = int(seen.block[motion.first[k]])
     return Check(
         "tip, on the wrong side", deepest, granted, "m", deepest <= granted, float(motion.early[k]), block,
         noise=float(motion.allowance[k]) * unit,

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.judge.largest import each_block
+from toolpace.judge.seen_motion import each_block
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.programs.toolpath import ToolPath
 
 CHORD = 5e-4
@@ -157,45 +157,18 @@ class MotionRow:
 
 
 def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> MotionRow:
-    """The row of set-points with `poses` (n, 6).
+    """The row of set-points with `poses` (n, 6)."""
 
-    Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
-    50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
-    Poses that are equal to the one before are left out.
-    """
-    beside = _beside(points.tool_length, len(points))
-    stretches = each_block(
-        lambda begin, end: _stretch(points, poses, limits, dt, beside, begin, end), len(points) - 1
-    )
-    kept, exact, setpoint, time = (
-        np.concatenate([getattr(stretch, name) for stretch in stretches])
-        for name in ("kept", "exact", "setpoint", "time")
-    )
-    rows, allowance = [[getattr(each, name) for each in stretches] for name in ("poses", "allowance")]
-    if kept.sum() < 2:
-        # a row has two poses, even where nothing moves
-        kept[-1] = True
-        rows.append(poses[-1:])
-        allowance.append(np.zeros(1))
-    starts = np.flatnonzero(kept)
-    ends = np.append(starts[1:], len(kept)) - 1
-    found = MotionRow(
-        poses=np.concatenate(rows),
-        allowance=np.concatenate(allowance),
-        first=setpoint[starts],
-        last=setpoint[ends],
-        early=time[starts],
-        late=time[ends],
-        row=(np.cumsum(kept) - 1)[exact],
-    )
-    # when the tool is changed is known to a step
-    changed = np.flatnonzero(np.diff(points.tool_length))
-    found.late[found.row[changed]], found.early[found.row[changed + 1]] = points.t[changed + 1], points.t[changed]
-    return found
+    def of_block(begin: int, end: int) -> Stretch:
+        block = Block.of(points, begin, end)
+        near = poses[block.first : block.first + len(block.near)]
+        return Stretch.of(block, near, block.first, limits, dt, begin, end)
+
+    return joined(each_block(of_block, len(points) - 1), points.t, poses[-1])
 
 
-class _Stretch(NamedTuple):
-    """The row of some steps: the ends of their chords, and the first set-point of all where they begin with it."""
+class Chords(NamedTuple):
+    """The ends of the chords of some steps, and the first set-point of all where they begin with it."""
 
     kept: Bools
     """(k,) whether a pose is another than the one before."""
@@ -205,53 +178,124 @@ class _Stretch(NamedTuple):
     """(k,) which, or the one before."""
     time: Floats
     """(k,) [s]"""
-    poses: Floats
-    """(kept, 6)"""
     allowance: Floats
     """(kept,)"""
 
 
-def _stretch(
-    points: SetPoints, poses: Floats, limits: Limits, dt: float, beside: Bools, begin: int, end: int
-) -> _Stretch:
-    """That of the steps from `begin` to `end`; `beside` (n - 1,) tells of all steps whether a tool changes there."""
-    n = len(points)
-    # the differences about a step reach to three set-points before it and behind it
-    first, last = max(begin - 3, 0), min(end + 4, n)
-    mine = slice(begin - first, end - first)
-    t, near = points.t[first:last], poses[first:last]
-    inner = _curved(points.q[first:last], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
-    parts, unseen, second = np.ones(end - begin, dtype=np.int64), np.zeros(end - begin), np.zeros((last - first, 6))
-    if n >= 6:
-        second[1:-1] = np.diff(near, n=2, axis=0)
-        size = _size(second)
-        size = np.maximum(size[:-1], size[1:])
-        inner &= ~beside[first : last - 1]
-        steps = np.arange(first, last - 1)
-        inner &= (steps > 0) & (steps < n - 3)
-        parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS).astype(np.int64)[mine]
-        fourth = _size(np.diff(near, n=4, axis=0))
-        # of the step from k to k + 1: all differences that have both of them
-        differences = (np.clip(np.arange(begin, end) - back, first, last - 5) - first for back in range(4))
-        unseen = np.minimum(UNSEEN * np.max([fourth[each] for each in differences], axis=0), MOST_UNSEEN)
-    after, share = _shares(np.arange(begin + 1, end + 1), parts)
-    k = after - 1
-    exact = share == 1.0
-    row = np.concatenate((poses[begin : begin + 1], poses[after]))
-    # of long motions most steps are one chord: what is worked out is what lies between set-points
-    between = np.flatnonzero(~exact)
-    here, there, u = k[between], after[between], share[between][:, None]
-    bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[here - first] + (1.0 + u) * second[there - first])
-    row[1 + between] = poses[here] + u * (poses[there] - poses[here]) - bend
-    allowance = np.concatenate(([0.0], np.where(exact, 0.0, unseen[k - begin])))
-    setpoint = np.concatenate(([begin], np.where(exact, after, k)))
-    on_the_way = points.t[k] + share * (points.t[after] - points.t[k])
-    time = np.concatenate((points.t[begin : begin + 1], np.where(exact, points.t[after], on_the_way)))
-    kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
-    # the set-point that it begins with is that of the stretch before
-    of_it = slice(int(begin > 0), None)
-    kept, exact = kept[of_it], np.concatenate(([True], exact))[of_it]
-    return _Stretch(kept, exact, setpoint[of_it], time[of_it], row[of_it][kept], allowance[of_it][kept])
+class Stretch(NamedTuple):
+    """The row of some steps."""
+
+    poses: Floats
+    """(k, 6)"""
+    first: int
+    """Set-point that it begins with: the one that its steps begin with is of the stretch before."""
+    chords: Chords | None
+    """None where each set-point is a pose, and there are no others."""
+    changes: Ints
+    """Steps in which the tool is changed."""
+
+    @classmethod
+    def of(
+        cls, block: Block, poses: Floats, first_pose: int, limits: Limits, dt: float, begin: int, end: int
+    ) -> Stretch:
+        """That of the steps from `begin` to `end`, with the poses (k, 6) from the row `first_pose` on.
+
+        Between two set-points the motion is taken as the cubic through four of them, in as many chords as it takes: at
+        50 mm/s and 5 m/s2 the chord of a millisecond misses it by 0.6 micrometres. Where joints jump, it is the chord.
+        Poses that are equal to the one before are left out.
+        """
+        n, t = block.of_all, block.near.t
+        # the differences about a step reach to three set-points before it and behind it
+        first, last = max(begin - 3, 0), min(end + 4, n)
+        here = slice(first - block.first, last - block.first)
+        t, near, lengths = t[here], poses[first - first_pose : last - first_pose], block.near.tool_length[here]
+        mine, own = slice(begin - first, end - first), int(begin > 0)
+        changes = begin + np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
+        parts, second = np.ones(end - begin, dtype=np.int64), np.zeros((last - first, 6))
+        if n >= 6:
+            second[1:-1] = np.diff(near, n=2, axis=0)
+            size = _size(second)
+            size = np.maximum(size[:-1], size[1:])[mine]
+            if size.max(initial=0.0) > 8.0 * CHORD:
+                inner = _curved(block.near.q[here], limits, dt) & (np.abs(np.diff(t) - dt) <= 1e-6 * dt)
+                inner = (inner & ~_beside(lengths, last - first))[mine]
+                steps = np.arange(begin, end)
+                inner &= (steps > 0) & (steps < n - 3)
+                parts = np.where(inner, np.ceil(np.sqrt(size / (8.0 * CHORD))), 1.0).clip(1, MOST_PARTS)
+                parts = parts.astype(np.int64)
+        simple = near[mine.start : mine.stop + 1]
+        new = (simple[1:] != simple[:-1]).any(axis=1)
+        if new.all() and parts.max(initial=1) == 1:
+            return cls(simple[own:], begin + own, None, changes)
+        return cls._of_chords(near, second, t, parts, first, begin, changes)
+
+    @classmethod
+    def _of_chords(
+        cls, near: Floats, second: Floats, t: Floats, parts: Ints, first: int, begin: int, changes: Ints
+    ) -> Stretch:
+        """That of as many chords as there are `parts` (k,) of the steps from `begin` on; poses (m, 6), their second
+        differences and times (m,) are those from the row `first` on."""
+        end, last, own = begin + len(parts), first + len(near), int(begin > 0)
+        after, share = _shares(np.arange(begin + 1, end + 1), parts)
+        k = after - 1
+        exact = share == 1.0
+        row = np.concatenate((near[begin - first : begin - first + 1], near[after - first]))
+        allowance = np.zeros(len(row))
+        # of long motions most steps are one chord: what is worked out is what lies between set-points
+        between = np.flatnonzero(~exact)
+        if len(between):
+            fourth = _size(np.diff(near, n=4, axis=0))
+            low, high, u = k[between] - first, after[between] - first, share[between][:, None]
+            bend = u * (1.0 - u) / 6.0 * ((2.0 - u) * second[low] + (1.0 + u) * second[high])
+            row[1 + between] = near[low] + u * (near[high] - near[low]) - bend
+            # of the step from k to k + 1: all differences that have both of them
+            differences = (np.clip(k[between] - back, first, last - 5) - first for back in range(4))
+            unseen = UNSEEN * np.max([fourth[each] for each in differences], axis=0)
+            allowance[1 + between] = np.minimum(unseen, MOST_UNSEEN)
+        left, right = t[k - first], t[after - first]
+        on_the_way = np.where(exact, right, left + share * (right - left))
+        time = np.concatenate((t[begin - first : begin - first + 1], on_the_way))
+        setpoint = np.concatenate(([begin], np.where(exact, after, k)))
+        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))[own:]
+        exact = np.concatenate(([True], exact))[own:]
+        chords = Chords(kept, exact, setpoint[own:], time[own:], allowance[own:][kept])
+        return cls(row[own:][kept], begin + own, chords, changes)
+
+    def detailed(self, t: Floats) -> Chords:
+        """Its chords, of a motion at times t (n,)."""
+        if self.chords is not None:
+            return self.chords
+        count = len(self.poses)
+        every, rows = np.ones(count, dtype=bool), np.arange(self.first, self.first + count)
+        return Chords(every, every, rows, t[rows], np.zeros(count))
+
+
+def joined(stretches: list[Stretch], t: Floats, end: Floats) -> MotionRow:
+    """The row of a whole motion at times t (n,), which ends at the pose `end` (6,). Uses the stretches up."""
+    poses, changed = [each.poses for each in stretches], np.concatenate([each.changes for each in stretches])
+    if all(each.chords is None for each in stretches) and len(t) > 1:
+        rows = np.arange(len(t))
+        allowance, first, last, early, late, row = np.zeros(len(t)), rows, rows, t, t, rows
+    else:
+        kept, exact, setpoint, time, allowances = (
+            list(each) for each in zip(*(each.detailed(t) for each in stretches))
+        )
+        every, when, of_row = np.concatenate(kept), np.concatenate(time), np.concatenate(setpoint)
+        if every.sum() < 2:
+            # a row has two poses, even where nothing moves
+            every[-1] = True
+            poses.append(end[None])
+            allowances.append(np.zeros(1))
+        allowance, starts = np.concatenate(allowances), np.flatnonzero(every)
+        ends = np.append(starts[1:], len(every)) - 1
+        first, last, early, late = of_row[starts], of_row[ends], when[starts], when[ends]
+        row = (np.cumsum(every) - 1)[np.concatenate(exact)]
+    if len(changed):
+        # when the tool is changed is known to a step
+        early, late = early.copy(), late.copy()
+        late[row[changed]], early[row[changed + 1]] = t[changed + 1], t[changed]
+    stretches.clear()
+    return MotionRow(np.concatenate(poses), allowance, first, last, early, late, row)
 
 
 def _beside(tool_length: Floats, n: int) -> Bools:

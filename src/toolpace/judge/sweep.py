@@ -53,10 +53,9 @@ class Line:
         while ways // size > 0:
             count = ways // size
             starts = np.arange(count) * FANOUT
-            # A part ends at the pose with which the next one begins.
-            within = slice(0, count * FANOUT + (1 if size == FANOUT else 0))
-            low, high = np.minimum.reduceat(least[within], starts), np.maximum.reduceat(most[within], starts)
+            low, high = _of_parts(np.minimum, least, count), _of_parts(np.maximum, most, count)
             if size == FANOUT:
+                # A part ends at the pose with which the next one begins.
                 low, high = np.minimum(low, least[starts + FANOUT]), np.maximum(high, most[starts + FANOUT])
             large = (high - low).max(axis=1) <= 2.0 * NEAR if size >= LARGE else np.zeros(count, dtype=bool)
             parts.append(np.hstack([_discs(self.poses, half, low, high, size, large) for half in HALVES]))
@@ -69,6 +68,16 @@ class Line:
     def last(self) -> int:
         """The last place."""
         return len(self.poses) - 1
+
+
+def _of_parts(least: np.ufunc, rows: Floats, count: int) -> Floats:
+    """(count, 6) the least or the largest of each FANOUT rows: halves with halves, which is quicker than one by one."""
+    parts = rows[: count * FANOUT].reshape(count, FANOUT, -1)
+    while parts.shape[1] > 1:
+        half = parts.shape[1] // 2
+        parts = least(parts[:, :half], parts[:, half:])
+    found: Floats = parts[:, 0]
+    return found
 
 
 def _discs(poses: Floats, half: slice, low: Floats, high: Floats, size: int, large: npt.NDArray[np.bool_]) -> Floats:

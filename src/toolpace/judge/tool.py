@@ -9,7 +9,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.judge.largest import Largest, columns_of, each_block
+from toolpace.judge.seen_motion import SeenMotion, each_block, ways
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
@@ -41,31 +41,23 @@ def forward_kinematics(points: SetPoints, machine: Machine) -> tuple[Floats, Flo
     return tip, axis
 
 
-def tool_checks(points: SetPoints, machine: Machine, tip: Floats, axis: Floats) -> list[Check]:
-    """Travel of each joint; the tip and axis columns against `tip` and `axis`, the forward kinematics of
-    `q`."""
-
-    def of_block(begin: int, end: int) -> tuple[Largest, Largest, Largest]:
-        q, rows = columns_of(points.q, begin, end), slice(begin, end)
-        pairs = ((points.tip, tip), (points.axis, axis)) if points.has_tool else ()
-        off = [np.sqrt(((told[rows] - true[rows]) ** 2).sum(axis=1)) for told, true in pairs]
-        return Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), end - begin)), begin)
-
-    highest, lowest, off = (Largest.of_all(parts) for parts in zip(*each_block(of_block, len(points))))
-    checks = []
-    for j, joint in enumerate(points.joints):
+def tool_checks(seen: SeenMotion, machine: Machine) -> list[Check]:
+    """Travel of each joint; the tip and axis columns against the forward kinematics of positions."""
+    assert seen.tool is not None
+    checks, highest, lowest, off = [], seen.tool.highest, seen.tool.lowest, seen.tool.off
+    for j, joint in enumerate(seen.joints):
         low, high = float(machine.travel[j, 0]), float(machine.travel[j, 1])
         unit = "rad" if machine.is_rotary[j] else "m"
         for bound, worst, at_least in ((high, int(highest.row[j]), False), (low, int(lowest.row[j]), True)):
             if np.isfinite(bound):
-                value = float(points.q[worst, j])
+                value = -float(lowest.value[j]) if at_least else float(highest.value[j])
                 over = bound - value if at_least else value - bound
-                time, block = float(points.t[worst]), int(points.block[worst])
+                time, block = seen.place(worst)
                 ok = over <= TRAVEL_ROUNDING
                 name = "lowest position" if at_least else "highest position"
                 checks.append(Check(name, value, bound, unit, ok, time, block, joint, at_least=at_least))
     for name, unit, value, worst in zip(("tip column", "axis column"), ("m", "rad"), off.value, off.row):
-        time, block = float(points.t[worst]), int(points.block[worst])
+        time, block = seen.place(worst)
         ok, note = bool(value <= AGREEMENT), "against forward kinematics"
         checks.append(Check(name, float(value), AGREEMENT, unit, ok, time, block, note=note))
     return checks
@@ -105,47 +97,42 @@ def _plain(name: str) -> str:
     return name.lstrip("0") or "0" if name.strip().isdigit() else " ".join(name.split())
 
 
-def ways(points: SetPoints, tip: Floats, axis: Floats, begin: int, end: int) -> Floats:
-    """(k, 3) how the tip at (n, 3) goes in the steps from `begin` to `end`, with the tool in the spindle at
-    their begin: where another one takes its place the tip is elsewhere, and did not go there."""
-    step = np.diff(tip[begin : end + 1], axis=0)
-    if len(points.tool_length):
-        step += np.diff(points.tool_length[begin : end + 1])[:, None] * axis[begin + 1 : end + 1]
-    return step
-
-
 def way_lengths(points: SetPoints, tip: Floats, axis: Floats) -> Floats:
     """(n - 1,) how far the tip goes in each step [m]; see `ways`."""
     lengths = np.empty(len(points) - 1)
 
     def of_block(begin: int, end: int) -> None:
-        lengths[begin:end] = np.sqrt((ways(points, tip, axis, begin, end) ** 2).sum(axis=1))
+        lengths[begin:end] = np.sqrt((ways(points.tool_length, tip, axis, begin, end) ** 2).sum(axis=1))
 
     each_block(of_block, len(lengths))
     return lengths
 
 
-def length_checks(points: SetPoints, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
+def tool_lengths(machine: Machine, toolpath: ToolPath) -> Floats:
+    """(n,) of the tool on the way to each point of a program [m]."""
+    return np.where(np.isnan(toolpath.tool_length), machine.tool_length, toolpath.tool_length)
+
+
+def length_checks(seen: SeenMotion, machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """The lengths that set-points name against the program's, and the program's against the sheet."""
-    own = machine.tool_length
-    wanted = np.where(np.isnan(toolpath.tool_length), own, toolpath.tool_length)
-    named = points.tool_length if len(points.tool_length) else np.array([own])
-    lengths = np.unique(wanted[1:])
-    off = np.abs(named[:, None] - lengths).min(axis=1)
-    worst = int(np.argmax(off))
-    checks = []
-    if len(points.tool_length) or (off > SAME).any():
-        ok, note = bool(off[worst] <= SAME), "against those of the program's tools"
-        place = float(points.t[worst]), int(points.block[worst])
-        checks.append(Check("tool length of set-points", float(off[worst]), SAME, "m", ok, *place, note=note))
-    return [*checks, *_sheet_check(own, toolpath, wanted, table)]
+    assert seen.tool is not None
+    off, row, checks = 0.0, 0, []
+    named = len(seen.tool.length_off.value) > 0
+    if named:
+        off, row = float(seen.tool.length_off.value[0]), int(seen.tool.length_off.row[0])
+    else:
+        off = float(np.abs(machine.tool_length - tool_lengths(machine, toolpath)[1:]).min())
+    if named or off > SAME:
+        note = "against those of the program's tools"
+        checks.append(Check("tool length of set-points", off, SAME, "m", off <= SAME, *seen.place(row), note=note))
+    return [*checks, *sheet_check(machine, toolpath, table)]
 
 
-def _sheet_check(own: float, toolpath: ToolPath, wanted: Floats, table: Mapping[str, float]) -> list[Check]:
+def sheet_check(machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """Whether each way of the program is that of a tool as long as the sheet says, or as the program's own words do."""
     if not table:
         return []
-    worst, at = 0.0, 1
+    own, wanted, worst, at = machine.tool_length, tool_lengths(machine, toolpath), 0.0, 1
     for k, operation in enumerate(toolpath.operations):
         rows = 1 + np.flatnonzero(toolpath.operation[1:] == k)
         if not len(rows):

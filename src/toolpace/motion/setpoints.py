@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import zipfile
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -17,6 +19,10 @@ from toolpace.common.value_objects import ByValue, named, one_line
 
 OPTIONAL = "tool_length"
 """The one column that a file may lack."""
+ROWS = 1 << 15
+"""Rows of a block: what is worked on at once stays in the cache of a core."""
+REACH = 4
+"""Rows before and behind a block that come with it, for differences."""
 COPIES = 3
 """How often as much memory as set-points take is needed at once, to sample, judge and draw them (2.1 was measured)."""
 
@@ -33,6 +39,70 @@ def refuse_too_many(duration: float, dt: float, joints: int, what: str = "the mo
         f"{wanted / 1e9:.3g} GB of memory, of which {free / 1e9:.3g} GB are free; take a time step of {least:.2g} s or "
         "more, or split the program"
     )
+
+
+class SetPointSource(Protocol):
+    """Set-points that can be taken block by block: those in memory, and those of a trajectory (motion/sampling.py)."""
+
+    @property
+    def t(self) -> Floats:
+        """(n,) times [s]."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the columns of positions."""
+
+    @property
+    def has_tool(self) -> bool:
+        """Whether tip and axis are known."""
+
+    def __len__(self) -> int: ...
+
+    def rows(self, begin: int, end: int) -> SetPoints:
+        """The set-points from row `begin` to before row `end`."""
+
+    def at(self, rows: Ints) -> SetPoints:
+        """The set-points of some rows (k,), in their order."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """The set-points of a motion from one row to before another, with up to `REACH` beside them."""
+
+    near: SetPoints
+    """Rows from `first` on."""
+    first: int
+    begin: int
+    end: int
+    of_all: int
+    """How many rows the whole motion has."""
+    _columns: dict[str, Floats] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, source: SetPointSource, begin: int, end: int) -> Block:
+        """That of a source."""
+        first = max(begin - REACH, 0)
+        return cls(source.rows(first, min(end + REACH, len(source))), first, begin, end, len(source))
+
+    @cached_property
+    def points(self) -> SetPoints:
+        """Only those from `begin` to `end`."""
+        return self.near.rows(self.begin - self.first, self.end - self.first)
+
+    def columns(self, name: str, begin: int, end: int) -> Floats:
+        """(m, k) columns of some rows of the motion, turned once for all parts of the block."""
+        if name not in self._columns:
+            self._columns[name] = np.ascontiguousarray(getattr(self.near, name).T)
+        return self._columns[name][:, begin - self.first : end - self.first]
+
+    def times(self, begin: int, end: int) -> Floats:
+        """(k,) times of some rows of the motion [s]."""
+        return self.near.t[begin - self.first : end - self.first]
+
+
+def in_memory(source: SetPointSource) -> SetPoints:
+    """All set-points of a source at once."""
+    return source if isinstance(source, SetPoints) else source.rows(0, len(source))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,6 +156,19 @@ class SetPoints(ByValue):
         step = f" every {(self.t[1] - self.t[0]) * 1e3:.6g} ms" if len(self) > 1 else ""
         tool = "with the tool" if self.has_tool else "without a tool"
         return one_line(self, f"{len(self)}{step}", named(self.joints), tool)
+
+    def rows(self, begin: int, end: int) -> SetPoints:
+        """The set-points from row `begin` to before row `end`."""
+        return self._picked(slice(begin, end))
+
+    def at(self, rows: Ints) -> SetPoints:
+        """The set-points of some rows (k,), in their order."""
+        return self._picked(rows)
+
+    def _picked(self, rows: slice | Ints) -> SetPoints:
+        columns = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "joints"}
+        picked = {name: values[rows] if len(values) else values for name, values in columns.items()}
+        return SetPoints(**picked, joints=self.joints)
 
     @property
     def has_tool(self) -> bool:

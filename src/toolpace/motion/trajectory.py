@@ -5,32 +5,31 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats, Ints, number, numbers
+from toolpace.common.arrays import Floats, Ints, numbers
 from toolpace.common.errors import UsageError
 from toolpace.common.units import SECONDS, ask_about_unit
 from toolpace.common.value_objects import counted, named, one_line
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion import Motion, Usage, closer_look, jerk_jumps, joint_motion
+from toolpace.motion import Motion, Usage, closer_look, jerk_jumps
+from toolpace.motion.joints import put_joint_motion
 from toolpace.motion.laws import TimeLaw
-from toolpace.motion.set_point_grid import grids, round_to
-from toolpace.motion.setpoints import SetPoints, refuse_too_many
+from toolpace.motion.sampling import Sampling
+from toolpace.motion.setpoints import ROWS, SetPoints
 from toolpace.path.axis_path import AxisPath
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
 
     from toolpace.machine.machine import Machine
 
 BINDING = 0.995
 """Share of a limit from which it counts as binding."""
-CHUNK = 1 << 15
-"""Times that are worked out at once: what there is of them stays in the cache of a core."""
 LONGEST_STEP = 0.2
 """Between set-points [s] that is not asked about: more is a time in ms."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
@@ -134,15 +133,15 @@ class Trajectory:
             run, state = self._state(t[order])
             return run[back], state[:, back]
         run = self.run_at(t)
-        state = np.zeros((4, len(t)))
-        for k in np.unique(run):
-            of_run = run == k
-            law = self.laws[k]
-            local = t[of_run] - self.starts[k]
+        begins = np.flatnonzero(np.diff(run, prepend=-1))
+        found = []
+        for begin, end in pairwise([*begins.tolist(), len(t)]):
+            k = run[begin]
+            law, local = self.laws[k], t[begin:end] - self.starts[k]
             now = law.at(np.clip(local, 0.0, law.duration))
             now[1:, (local < 0.0) | (local > law.duration * (1.0 + 1e-12))] = 0.0
-            state[:, of_run] = now
-        return run, state
+            found.append(now)
+        return run, found[0] if len(found) == 1 else np.concatenate([np.zeros((4, 0)), *found], axis=1)
 
     def run_at(self, t: npt.ArrayLike) -> Ints:
         """Index of the run at a time or at times t (n,) [s], in the shape of t; its dwell is part of it.
@@ -175,40 +174,34 @@ class Trajectory:
         Before the start and after the end the machine rests. Raises UsageError for what is no time.
         """
         times = _times(t)
-        motion, _ = self._motion_in_pieces(times.ravel())
+        motion = self._motion_in_pieces(times.ravel())
         return motion if times.ndim else Motion(motion.q[0], motion.qd[0], motion.qdd[0], motion.qddd[0])
 
-    def _motion_in_pieces(
-        self, t: Floats, finish: Callable[[slice, Motion], None] = lambda part, motion: None
-    ) -> tuple[Motion, Ints]:
-        """Motion and block at times t, without room for all derivatives of all of them at once.
-
-        `finish` is called with each part of the rows and its motion, which it may change, while this is in the cache.
-        """
+    def _motion_in_pieces(self, t: Floats) -> Motion:
+        """Motion at times t, without room for all derivatives of all of them at once."""
         m = len(self.joints)
         motion, block = Motion(*(np.empty((len(t), m)) for _ in range(4))), np.empty(len(t), dtype=np.int64)
 
         def fill(start: int) -> None:
-            part = slice(start, start + CHUNK)
+            part = slice(start, start + ROWS)
             of_part = Motion(motion.q[part], motion.qd[part], motion.qdd[part], motion.qddd[part])
-            self._put_motion(t[part], of_part, block[part])
-            finish(part, of_part)
+            self.put_motion(t[part], of_part, block[part])
 
-        Workers().each(fill, range(0, len(t), CHUNK))
-        return motion, block
+        Workers().each(fill, range(0, len(t), ROWS))
+        return motion
 
-    def _put_motion(self, t: Floats, motion: Motion, block: Ints) -> None:
-        """Put the motion and the blocks at times t (n,) where they belong."""
+    def put_motion(self, t: Floats, motion: Motion, block: Ints) -> Ints:
+        """Put the motion and the blocks at times t (n,) where they belong; return the run of each."""
         run, state = self._state(t)
-        runs = np.unique(run)
-        for k in runs:
+        alone = len(run) > 0 and bool((run == run[0]).all())
+        for k in run[:1] if alone else np.unique(run):
             # most stretches of time are of one run, and need no picking
-            of_run = slice(None) if len(runs) == 1 else run == k
+            of_run = slice(None) if alone else run == k
             axis_run, now = self.axis_path.runs[k], state[:, of_run]
-            joints = joint_motion(axis_run.evaluate(np.clip(now[0], axis_run.s0, axis_run.s1)), now)
-            motion.q[of_run], motion.qd[of_run] = joints.q, joints.qd
-            motion.qdd[of_run], motion.qddd[of_run] = joints.qdd, joints.qddd
+            path = axis_run.evaluate(np.clip(now[0], axis_run.s0, axis_run.s1))
+            put_joint_motion(path, now, motion, of_run)
             block[of_run] = axis_run.block_at(now[0])
+        return run
 
     def tip(self, t: npt.ArrayLike) -> tuple[Floats, Floats]:
         """Tip [m] and axis, in the workpiece frame, of the tool in the spindle: (3,) at one time t [s], (n, 3) at times
@@ -230,26 +223,11 @@ class Trajectory:
         """Set-points at equal steps dt [s]; the last lies at or just after the end, at rest.
 
         With `on_grid` they are rounded, positions by at most 2^-43 m or rad, so that they take little room on disk
-        (motion/set_point_grid.py). Raises UsageError where they would not fit into memory.
+        (motion/sampling.py). Raises UsageError where they would not fit into memory.
         """
-        dt = number(dt, "set-points: time step dt", least=0.0, above=True, unit="s")
-        ask_about_unit(dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
-        refuse_too_many(self.duration, dt, len(self.joints))
-        t: Floats = dt * np.arange(int(np.ceil(self.duration / dt * (1.0 - 1e-12))) + 1, dtype=np.float64)
-        machine, lengths = self.axis_path.machine, self.axis_path.tool_lengths
-        tip, axis = (np.empty((len(t) if machine else 0, 3)) for _ in range(2))
-        grid = grids(self.limits, dt) if on_grid else None
-
-        def finish(part: slice, motion: Motion) -> None:
-            if grid is not None:
-                for column, values in zip(grid, (motion.q, motion.qd, motion.qdd, motion.qddd)):
-                    round_to(column, values)
-            if machine:
-                tip[part], axis[part] = self._tool(machine, t[part], motion.q)
-
-        motion, block = self._motion_in_pieces(t, finish)
-        tools = np.zeros(0) if np.isnan(lengths).all() else lengths[self.run_at(t)]
-        return SetPoints(t, motion.q, motion.qd, motion.qdd, motion.qddd, tip, axis, block, self.joints, tools)
+        sampling = Sampling(self, dt, on_grid=on_grid)
+        ask_about_unit(sampling.dt, LONGEST_STEP, "set-points: time step dt", SECONDS)
+        return sampling.all()
 
     @cached_property
     def _judgement(self) -> tuple[Floats, dict[str, float]]:

@@ -151,21 +151,21 @@ def check_travel(path: AxisPath, source: str = "", begin: float = -np.inf) -> No
     """
     if path.machine is None:
         return
-    places = [_places(run) for run in path.runs]
-    places[0] = np.append(np.clip(begin, *places[0][[0, -1]]), places[0][places[0] > begin])
-    positions = [run.evaluate(s)[0] for run, s in zip(path.runs, places)]
-    blocks = [run.block_at(s) for run, s in zip(path.runs, places)]
+    samples = [_samples(run) for run in path.runs]
+    samples[0] = np.append(np.clip(begin, *samples[0][[0, -1]]), samples[0][samples[0] > begin])
+    positions = [run.evaluate(s)[0] for run, s in zip(path.runs, samples)]
+    blocks = [run.block_at(s) for run, s in zip(path.runs, samples)]
     path.machine.check_travel(np.concatenate(positions), np.concatenate(blocks), source)
 
 
 @lru_cache(64)
 def joint_ranges(run: AxisRun) -> Floats:
     """(2, m) least and largest positions of the joints along a run."""
-    q = run.evaluate(_places(run))[0]
+    q = run.evaluate(_samples(run))[0]
     return np.stack([q.min(axis=0), q.max(axis=0)])
 
 
-def _places(run: AxisRun) -> Floats:
+def _samples(run: AxisRun) -> Floats:
     """Parameters at which a run is looked at, ascending."""
     knots = np.unique(np.concatenate([[run.s0], run.hints, run.breaks, [run.s1]]))
     between = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(PARTS) / PARTS

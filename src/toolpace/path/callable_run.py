@@ -65,9 +65,9 @@ class CallableRun(AxisRun):
         self.smooth_cap = not callable(speed_cap)
         self.s0, self.s1, self.sides = s0, s1, Sides(breaks, s0, s1)
         self.breaks = self.sides.breaks
-        places = np.zeros(0) if hints is None else hints
-        places = places[(places > s0) & (places < s1)]
-        self.hints = np.unique(np.concatenate([[s0], places, [s1]])) if len(places) else places
+        points = np.zeros(0) if hints is None else hints
+        points = points[(points > s0) & (points < s1)]
+        self.hints = np.unique(np.concatenate([[s0], points, [s1]])) if len(points) else points
 
     def evaluate(self, s: Floats) -> Floats:
         s = self.sides.aside(s)
@@ -168,8 +168,8 @@ def _compared(
 
     `noise` (3, 1, c) is what derivatives may be off by.
     """
-    places, of_rule = gauss()
-    s = starts[:, None] + length * places
+    points, of_rule = gauss()
+    s = starts[:, None] + length * points
     jets = evaluate(s.ravel()).reshape(4, *s.shape, -1)
     if not np.isfinite(jets).all():
         order, cell, place, _ = np.argwhere(~np.isfinite(jets))[0]

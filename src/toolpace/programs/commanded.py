@@ -62,12 +62,16 @@ class Commanded(ByValue):
     tolerance: Floats
     """(n,) how far blending may leave the path [m] (P of G64, CYCLE832, cycle 32); inf where the program does not
     say."""
+    axis_tolerance: Floats
+    """(n,) how far rotary axes may leave theirs [rad] (TA of cycle 32, OTOL, CYCLE832); nan where the program does not
+    say."""
     cam_tolerance: Floats
     """(n,) within which straight moves may be taken as one [m] (Q of G64); nan where the program does not say."""
     dynamics: Floats
-    """(n, 3) what the program says of acceleration and corners, nan where it says nothing: 1 without and 0 with a limit
+    """(n, 4) what the program says of acceleration and corners, nan where it says nothing: 1 without and 0 with a limit
     of jerk (BRISK, SOFT); 1 with and 0 without roundings (G641 to G645 and CYCLE832, G64); the set of limits in force
-    (0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS)."""
+    (0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS); R of LinuxCNC's G64 (0 its planner without
+    limit of jerk, 0.1 to 1 that with one)."""
     dwell: Floats
     """(n,) time to wait at the end of the move [s]."""
     operation: Ints

@@ -93,7 +93,7 @@ class Tolerances:
 
         `quantity` makes a number of "20um", `default` holds where none is told. Raises UsageError.
         """
-        told: float | None = None
+        of_all: float | None = None
         places, program, side = [], False, SIDES[0]
         for part in (part.strip() for part in text.split(",")):
             place, colon, value = part.rpartition(":")
@@ -105,11 +105,11 @@ class Tolerances:
                 program = True
             elif part.lower() in SIDES:
                 side = part.lower()
-            elif told is None:
-                told = quantity(part)
+            elif of_all is None:
+                of_all = quantity(part)
             else:
                 raise UsageError(f"'{text[:60]}' has two tolerances for all: name the place of one, like finish:{part}")
-        return cls(default if told is None else told, places, program, side)
+        return cls(default if of_all is None else of_all, places, program, side)
 
     def text(self, quantity: Callable[[float], str]) -> str:
         """The text that `parse` makes it from."""
@@ -173,21 +173,21 @@ class Tolerances:
         """
         if not self.one_sided:
             return None
-        told = ~np.isnan(toolpath.normal[:, 0])
+        has_normal = ~np.isnan(toolpath.normal[:, 0])
         if self.side == "above":
             return toolpath.axis
-        if not told.any():
+        if not has_normal.any():
             raise UsageError(
                 f"side outside: {toolpath.source or 'the program'} tells no normals of the surface (NX NY NZ of"
                 " Klartext's LN), so nobody knows on which side the part is; 'above' keeps the tip from going below"
                 " its program along the tool axis"
             )
-        return np.where(told[:, None], toolpath.normal, toolpath.axis)
+        return np.where(has_normal[:, None], toolpath.normal, toolpath.axis)
 
-    def _along(self, toolpath: ToolPath, told: Floats) -> Floats:
+    def _along(self, toolpath: ToolPath, programmed: Floats) -> Floats:
         found = np.full(len(toolpath), self.default)
         if self.program:
-            found = np.where(np.isnan(told), found, told)
+            found = np.where(np.isnan(programmed), found, programmed)
         for place, value in self.places:
             found[points_of(place, toolpath)] = value
         # no way leads to the first point
@@ -223,10 +223,10 @@ def unknown(place: str, toolpath: ToolPath) -> str:
     """What to say of a place that there is not."""
     names = dict.fromkeys(operation.name for operation in toolpath.operations if operation.name)
     tools = dict.fromkeys(f"T{operation.tool}" for operation in toolpath.operations if operation.tool)
-    known = [*names, *tools]
-    if not known:
+    candidates = [*names, *tools]
+    if not candidates:
         return "the program names no operation and no tool; give blocks, like N100-N250, or lines, like 120-250"
-    return f"no such operation, tool or block in {toolpath.source or 'the program'}; {did_you_mean(place, known)}"
+    return f"no such operation, tool or block in {toolpath.source or 'the program'}; {did_you_mean(place, candidates)}"
 
 
 def line_of(number: int, toolpath: ToolPath, *, last: bool) -> int:

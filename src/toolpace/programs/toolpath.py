@@ -159,10 +159,10 @@ class ToolPath(ByValue):
         for name, width in (("tip_tolerance", ()), ("axis_tolerance", ()), ("tool_length", ()), ("normal", (3,))):
             value = numbers(getattr(self, name), f"tool path: {name}", ("n", *width), finite=False)
             # a column that tells nothing may have any length: of a path that points were taken out of
-            told = value.size > 0 and not np.isnan(value).all()
+            holds_values = value.size > 0 and not np.isnan(value).all()
             taken[name] = (
                 numbers(value, f"tool path: {name}", (n, *width), (0, *width), finite=False)
-                if told
+                if holds_values
                 else np.full((n, *width), np.nan)
             )
         bow = numbers(self.bow, "tool path: bow", ("n",), unit="m")
@@ -225,9 +225,9 @@ class ToolPath(ByValue):
     def part(self, first: int, last: int) -> ToolPath:
         """The points from `first` to `last` as a path of their own, which begins and ends at rest."""
         n, kept = len(self), slice(first, last + 1)
-        told = {column.name: getattr(self, column.name) for column in fields(self) if column.name != "numbered"}
+        values = {column.name: getattr(self, column.name) for column in fields(self) if column.name != "numbered"}
         columns: dict[str, Any] = {
-            name: value[kept] for name, value in told.items() if isinstance(value, np.ndarray) and len(value) == n
+            name: value[kept] for name, value in values.items() if isinstance(value, np.ndarray) and len(value) == n
         }
         stop = columns["stop"].copy()
         stop[[0, -1]] = True
@@ -251,11 +251,11 @@ class ToolPath(ByValue):
         return float(np.maximum(way / self.feed[1:], self.least_time[1:]).sum() + self.dwell.sum())
 
     def __repr__(self) -> str:
-        given = f"rotary joints {' '.join(self.rotary_joints)}" if self.rotary is not None else "tool axes"
+        direction = f"rotary joints {' '.join(self.rotary_joints)}" if self.rotary is not None else "tool axes"
         # the end of a long name tells more than the folders it begins with
         source = self.source if len(self.source) <= 40 else f"...{self.source[-37:]}"
         count = counted(len(self), "point")
-        return one_line(self, f"{source}: {count}" if source else count, counted(self.blocks, "block"), given)
+        return one_line(self, f"{source}: {count}" if source else count, counted(self.blocks, "block"), direction)
 
 
 def check_toolpath(toolpath: object, asks: str) -> None:

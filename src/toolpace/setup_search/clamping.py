@@ -17,6 +17,7 @@ from toolpace.machine.geometry import Geometry
 from toolpace.machine.machine import Machine, check_machine
 
 WHOLE_TURN = 2.0 * math.pi + 1e-9
+"""A turn, and what rounding may add [rad]."""
 STILL = 1e-9
 """Turn [rad] and shift [m] below which the part has not moved."""
 ROOM = math.radians(1.0)

@@ -24,7 +24,7 @@ from toolpace.setup_search.choices import Choices
 from toolpace.setup_search.clamping import AS_GIVEN, Clamping
 from toolpace.setup_search.trial import Task, tried_there, zones_entered
 
-LOOKS = 200_000
+MOST_SAMPLES = 200_000
 """Set-points by which travel is judged at most."""
 SHORTEST = 1e-3
 """Between two of them [s]."""
@@ -87,7 +87,7 @@ def planned(task: Task, toolpath: ToolPath, clamping: Clamping) -> PlannedSetUp:
 
 def positions_used(trajectory: Trajectory, machine: Machine, task: Task, source: str) -> Floats:
     """(m, 2) lowest and highest position of each joint. Raises ReachError beyond travel and in a forbidden zone."""
-    points = trajectory.sample(max(SHORTEST, trajectory.duration / LOOKS))
+    points = trajectory.sample(max(SHORTEST, trajectory.duration / MOST_SAMPLES))
     machine.check_travel(points.q, points.block, source)
     if zones_entered(machine, task.forbidden, points.q) > 0.0:
         names = [zone.name for zone in task.forbidden if zone.entered(machine.joints, points.q).any()]

@@ -5,7 +5,7 @@ search:
   directions, tools and solutions, at the place nearest to the given one           (the first DIRECTIONS of the trials)
   direction, tool and place about the best of these                                (the others)
   the best of all nearer to how the part is clamped now: what is as fast and simpler is better
-  the best of unlike directions planned in full, and with them the given set-up
+  the best of diverse directions planned in full, and with them the given set-up
   a map of the time over x and y, all else as in the best
 
 Storn and Price, Differential evolution, J. Global Optimization 11 (1997); scipy's. Other methods were tried on the same
@@ -55,9 +55,9 @@ MAPPED = 9
 SEARCHED, CONFIRMED = 0.7, 0.85
 """Shares of the work, for progress."""
 TURNED = math.radians(5.0)
-"""From which turn on two directions are unlike [rad]."""
+"""From which turn on two directions differ [rad]."""
 MOVED = 20e-3
-"""From which distance on two places are unlike [m]; only where there are too few directions."""
+"""From which distance on two places differ [m]; only where there are too few directions."""
 
 
 def search_setup(
@@ -172,10 +172,10 @@ class Search:
         self.slack = 1.0 + AS_GOOD
         at_hand = {name for name in (*TURNS, "side") if 0.0 in self.choices.named(name)}
         values = self.choices.values_of(best.clamping)
-        ways: list[dict[str, float]] = [{}, *({name: 0.0} for name in TURNS if name in at_hand)]
+        variants: list[dict[str, float]] = [{}, *({name: 0.0} for name in TURNS if name in at_hand)]
         if "side" in at_hand:
-            ways += [{**way, "side": 0.0} for way in ways]
-        simpler = [self.choices.clamping({**values, **way}) for way in ways]
+            variants += [{**variant, "side": 0.0} for variant in variants]
+        simpler = [self.choices.clamping({**values, **variant}) for variant in variants]
         clampings = [
             replace(each, shift=self.nearer(each.shift, share)) for each in dict.fromkeys(simpler) for share in NEARER
         ]
@@ -297,7 +297,7 @@ def none_fits(trials: Mapping[Clamping, Trial], task: Task, faults: Sequence[str
 
 
 def diverse_ones(best: Trial, trials: Sequence[Trial], most: int) -> list[Trial]:
-    """The best, and the next of trials that fit: of unlike directions or tools first, then of unlike places."""
+    """The best, and the next of trials that fit: of diverse directions or tools first, then of diverse places."""
     if not best.fits:
         return []
     ranked = sorted((trial for trial in trials if trial.fits), key=lambda trial: trial.cost)

@@ -25,6 +25,7 @@ FEED = 0.03
 RADIUS = 0.1
 """Of the arc [m]."""
 INTERVALS = 31
+"""Of the path, as in the paper."""
 DEFLECTION = (0.059, 0.0568, 0.0589)
 """Where the tip is found [m]."""
 PRINTED_PROJECTION = (0.058, 0.058, 0.0571)

@@ -10,7 +10,7 @@ from toolpace.cutting.tool_file import load_tool
 from toolpace.jobs.batch.jobs_file import jobs_of_file
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.setup_file import load_setup
-from toolpace.setup_search.choices_file import load_choices
+from toolpace.setup_search.choices import load_choices
 
 KINDS = {
     "file of jobs": jobs_of_file,

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.timed_programs import A, J, machine, timed
 from toolpace.controls.timing.figures import ControlFigures, figures_of
-from toolpace.kernels.controls.jerk_ramp import ramp_distance, ramp_time, reachable_speed
+from toolpace.kernels.jerk_ramp import ramp_distance, ramp_time, reachable_speed
 
 FEED = 0.1
 """Of the programs, F6000 [m/s]."""

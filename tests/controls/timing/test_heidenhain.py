@@ -10,8 +10,8 @@ import pytest
 from tests.support.timed_programs import A, J, machine, timed
 from toolpace.controls.timing.figures import ControlFigures, figures_of
 from toolpace.controls.timing.heidenhain import half_filters
-from toolpace.controls.timing.program_time import time_of_moves
-from toolpace.kernels.controls.jerk_ramp import ramp_distance, ramp_time
+from toolpace.controls.timing.program_time import MODELS, time_of_moves
+from toolpace.kernels.jerk_ramp import ramp_distance, ramp_time
 from toolpace.programs.reading import Source, read_commanded
 
 FEED = 0.1
@@ -144,3 +144,18 @@ def test_a_five_axis_turn_holds_the_limits_of_the_joints():
     most, acceleration, jerk = (each[column] for each in (on.limits.velocity, on.limits.acceleration, on.limits.jerk))
     expected = math.pi / 2.0 / most + ramp_time(most, acceleration, jerk) + LENGTH
     assert timed("G1 A90 F60000\n", figures()).total == pytest.approx(expected, rel=1e-6)
+
+
+def test_cycle_32_sets_the_tolerance_of_rotary_axes():
+    """Two turns in place: the filter leaves the corner by |D| v h / 6, at most TA."""
+    text = (
+        "BEGIN PGM A MM\nCYCL DEF 32.0 TOLERANZ\nCYCL DEF 32.1 T0.01\nCYCL DEF 32.2 HSC-MODE:1 TA{}\n"
+        "L A+0 C+0 R0 FMAX\nL A+20 F2000\nL C+20\nEND PGM A MM\n"
+    )
+
+    def corner(allowed: float) -> float:
+        moves = read_commanded(Source.from_text(text.format(allowed), "part.h"), machine())
+        return float(MODELS["heidenhain"](moves, machine(), figures()).corner[-2])
+
+    for allowed in (0.004, 0.002):
+        assert corner(allowed) == pytest.approx(6.0 * math.radians(allowed) / (math.sqrt(2.0) * LENGTH / 2.0), rel=1e-6)

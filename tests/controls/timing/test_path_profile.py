@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import toolpace as tp
 from tests.support.timed_programs import A, J, machine
-from toolpace.kernels.controls.jerk_ramp import ramp_distance, reachable_speed, speed_on_ramp, time_on_ramp
 from toolpace.kernels.controls.path_profile import profile_of_chain
+from toolpace.kernels.jerk_ramp import ramp_distance, reachable_speed, speed_on_ramp, time_on_ramp
 from toolpace.programs.reading import Source, read_source
 from toolpace.programs.reading.languages import with_controller
 from toolpace.programs.reading.options import ReadOptions

@@ -13,7 +13,7 @@ from toolpace.controls.timing.blocks import rests
 from toolpace.controls.timing.figures import figures_of, limits_of, off_the_path
 from toolpace.controls.timing.program_time import ProgramTime, time_of_moves
 from toolpace.controls.timing.sinumerik import brisk_moves, corner_speeds
-from toolpace.kernels.controls.jerk_ramp import ramp_distance, ramp_time
+from toolpace.kernels.jerk_ramp import ramp_distance, ramp_time
 from toolpace.programs.commanded import Commanded
 from toolpace.programs.reading import Source, read_commanded
 
@@ -36,7 +36,7 @@ def corner_of(body: str, index: int = 1, **table: object) -> float:
     figures = figures_of(table, "", "sinumerik")
     ways, stop = axis_ways(moves, on, joints=True), rests(moves)
     feed = np.full(len(moves), FEED)
-    arguments = moves, ways, feed, ways.length, stop, limits_of(on, figures), figures, off_the_path(on, figures)
+    arguments = moves, ways, feed, ways.length, stop, limits_of(on, figures), figures, off_the_path(moves, on, figures)
     return float(corner_speeds(*arguments, brisk_moves(moves, figures))[index])
 
 
@@ -44,6 +44,7 @@ def test_soft_takes_seven_phases_and_brisk_three():
     line = 0.2 / FEED + FEED / A
     assert timed("SOFT\nG1 X200 F6000\n").total == pytest.approx(line + A / J)
     assert timed("BRISK\nG1 X200 F6000\n").total == pytest.approx(line, rel=1e-6)
+    assert timed("DRIVE\nG1 X200 F6000\n").total == pytest.approx(line, rel=1e-6)
     assert timed("G1 X200 F6000\n", brisk=1.0).total == pytest.approx(line, rel=1e-6)
     # CYCLE832 switches SOFT on; half the acceleration by MD32433
     assert timed("BRISK\nCYCLE832(0.02, 1)\nG1 X200 F6000\n").total == pytest.approx(line + A / J)
@@ -57,6 +58,8 @@ def test_limits_by_the_mode_of_finishing_count():
     assert finishing == pytest.approx(0.2 / FEED + 2.0 * math.sqrt(FEED / (0.25 * J)))
     assert timed("DYNFINISH\nDYNNORM\nG1 X200 F6000\n", jerk_finish=0.25).total < finishing
     assert timed("CYCLE832(0.02, 1)\nG1 X200 F6000\n", jerk_finish=0.25).total == pytest.approx(finishing)
+    assert timed("DYNPREC\nG1 X200 F6000\n", jerk_precise=0.25).total == pytest.approx(finishing)
+    assert timed("DYNPOS\nG1 X200 F6000\n", jerk_position=0.25).total == pytest.approx(finishing)
     assert timed("CYCLE832(0.02, 3)\nG1 X200 F6000\n", jerk_finish=0.25).total < finishing
 
 

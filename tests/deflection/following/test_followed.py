@@ -27,7 +27,7 @@ def test_no_measurement_and_no_override_breaks_a_limit():
 
 @pytest.mark.sweep
 def test_nor_do_many():
-    for name, group, number, _, verdict in campaign(120, 6, QUICK, each=12, longest=8.0):
+    for name, group, number, _, verdict in campaign(60, 6, QUICK, each=12, longest=8.0):
         assert verdict.fine, f"{name}, figures {group}, run {number}: {verdict}"
 
 

@@ -15,8 +15,7 @@ from toolpace.cli import demo_programs, main
 from toolpace.common.errors import UsageError
 from toolpace.jobs.batch import estimate
 from toolpace.jobs.batch.folder import batch_folder
-from toolpace.jobs.batch.job import BatchJob
-from toolpace.jobs.batch.prepared_job import Loader
+from toolpace.jobs.batch.job import BatchJob, Loader
 
 MACHINE = "xyzac-trunnion"
 BAD = "G21 G90 G54\nG43.4 H1\nG1 X1 Y2 F100\nG900 X4\nM30\n"

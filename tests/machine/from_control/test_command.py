@@ -66,6 +66,8 @@ def test_a_person_at_a_terminal_is_asked(mill, tmp_path, capsys, monkeypatch):
     [
         (["xyzac-trunnion", "--from", "MILL"], "machine xyzac-trunnion and --from: give one of both"),
         (["--write", "my.toml"], "--write goes with --from"),
+        (["--write-controller", "my.toml"], "--write-controller goes with --from"),
+        (["--from", "MILL", "--write-controller", "my.toml"], "files of LinuxCNC have no figures"),
         (["--from", "MILL", "--toml", "--poses"], "--toml and --poses: one at a time"),
         (["--from", "MILL", "--write", "MILL"], "is there already"),
         (["--from", "no.ini"], "no.ini: cannot be read"),

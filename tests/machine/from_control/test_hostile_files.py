@@ -34,6 +34,7 @@ HOSTILE = {
     "an include of itself": (INI.encode() + b"#INCLUDE mill.ini\n", "goes round in a circle"),
     "an include of nothing": (INI.encode() + b"#INCLUDE  \n", "a file without a name is not there"),
     "a device": (INI.encode() + b"#INCLUDE /dev/zero\n", "/dev/zero is not there"),
+    "lines without end": (b"\n" * 600_000, "has more than 500000 lines"),
     "a folder": (INI.encode() + b"#INCLUDE /tmp\n", "/tmp is not there"),
     "a name without end": (INI.encode() + b"#INCLUDE " + b"x" * 5000, "is not there"),
     "a number without end": (INI.replace("MAX_VELOCITY = 200.0", "MAX_VELOCITY = 1e999").encode(), "too large"),

@@ -6,9 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from tests.support import fanuc_files, heidenhain_files
 from tests.support.linuxcnc_files import ini_text, written
 from toolpace.machine.from_control import read_control, readers
-from toolpace.machine.from_control.control_file import ControlFileError
+from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
 from toolpace.machine.from_control.machine_file import machine_text
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.stand_ins import Answers, complete
@@ -44,6 +45,25 @@ def test_a_jerk_stands_in_in_the_unit_of_its_acceleration():
     assert machine.limits.jerk[machine.joints.index("A")] == pytest.approx(5.0 * 2.0 * 3.141592653589793)
     assert 'acceleration = "4 m/s2"' in machine_text(record, (), {})
     assert [each.what for each in answers.taken][-2:] == ["acceleration of C [deg/s^2]", "jerk of C [deg/s^3]"]
+
+
+@pytest.mark.parametrize(
+    ("control", "text"),
+    [
+        ("LinuxCNC", ini_text("xyzac-trt-kins", "XYZAC")),
+        ("Sinumerik", "N32300 $MA_MAX_AX_ACCEL[AX1]=4\nN32000 $MA_MAX_AX_VELO[AX1]=30000\n"),
+        ("Fanuc", fanuc_files.parameters_text(Machine.load("xyzac-trunnion"))),
+        ("Fanuc", fanuc_files.parameters_text(Machine.load("xyzac-trunnion"), "16i")),
+        ("Heidenhain", heidenhain_files.parameters_text(Machine.load("xyzac-trunnion"))),
+        ("Heidenhain", heidenhain_files.table_text(Machine.load("xyzac-trunnion"))),
+        ("Heidenhain", heidenhain_files.objects_text(Machine.load("xyzac-trunnion"))),
+        ("", "%\nO1000\nN10 G21 G90\nN1320 G1 X5. Y1. F100\nN1420 M98 P1000\nN1430 G4 P500\nM30\n%\n"),
+        ("", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000\n2 L X+5 R0 FMAX\n3 END PGM A MM\n"),
+    ],
+)
+def test_a_text_is_of_one_control_or_of_none(control, text):
+    file = ControlFile("text", text)
+    assert [reader.CONTROL for reader in readers.READERS if reader.recognises(file)] == ([control] if control else [])
 
 
 def test_files_of_two_controls_are_refused(tmp_path, monkeypatch):

@@ -8,11 +8,10 @@ import pytest
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.common.workers import UNTOLD, Workers
-from toolpace.path.fit import first_spline, smoothest_spline
-from toolpace.path.fit.deviation import Comparison
-from toolpace.path.fit.first_spline import inside_spline
+from toolpace.path.fit import smoothest_spline
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
-from toolpace.path.fit.spline import knots_of
+from toolpace.path.fit.smoothest_spline import inside_spline
+from toolpace.path.fit.spline import Comparison, knots_of
 from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
@@ -83,7 +82,7 @@ def test_roughness_is_the_optimum_of_a_conic_solver(n, span):
     line = line_of(wave(n, span, 5))
     weight = np.ones(3)
     look = Comparison(line, AXIS, None, False).between
-    spline, data = inside_spline(line, first_spline.first_breaks(line), weight, AXIS, None, look, Workers())
+    spline, data = inside_spline(line, smoothest_spline.first_breaks(line), weight, AXIS, None, look, Workers())
     breaks, tip = spline.breaks, spline.tip
     best = conic_optimum(breaks, data)
     smoothest_spline.tighten(spline, data, weight, 3e-11, np.ones(len(data.s)), None, Workers(), UNTOLD)

@@ -15,8 +15,8 @@ from toolpace.common.errors import PathError
 from toolpace.machine.machine import Machine
 from toolpace.path.fit import fit as fitting
 from toolpace.path.fit import spline as sampling
-from toolpace.path.fit.first_spline import first_breaks
 from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
+from toolpace.path.fit.smoothest_spline import first_breaks
 from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3

@@ -130,3 +130,21 @@ def test_a_stretch_that_loses_most_of_its_speed_is_no_way(monkeypatch):
     assert (found == c).all() and len(stuck) == 1
     found, stuck = mend(meshed, c, [part], 0.0, 0.1, Workers(), least=0.0)
     assert stuck == [] and (found[82:120] == 0.5 * c[82:120]).all()
+
+
+@pytest.mark.parametrize(("low", "high", "ways"), [(96, 106, 0), (84, 88, 1), (118, 122, 1)])
+def test_what_falls_in_a_wide_stretch_is_no_way_beside_its_ends_only(monkeypatch, low, high, ways):
+    meshed, c = best()
+    narrow, wide = Stretch(90, 112, 100, 102), Stretch(80, 124, 100, 102)
+
+    def solve(problem, begin, spread, once=False, idle=0.0):
+        first = int(np.searchsorted(meshed.nodes, problem.nodes[0]))
+        found = begin.copy()
+        found[max(low - first, 0) : high - first] *= 0.5
+        return found
+
+    monkeypatch.setattr(windows, "solve", solve)
+    monkeypatch.setattr(windows, "around", lambda meshed, first, last, ramps: [wide])
+    found, stuck = mend(meshed, c, [narrow if ways == 0 else wide], 0.0, 0.1, Workers())
+    assert len(stuck) == ways
+    assert (found == c).all() if ways else (found[low:high] < 0.6 * c[low:high]).all()

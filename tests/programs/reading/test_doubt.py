@@ -11,10 +11,10 @@ import toolpace as tp
 from testbed.recognised import OUTCOMES, RANDOM, main, random_outcomes
 from toolpace.common.errors import UsageError
 from toolpace.programs.reading import Findings, ReadOptions, Source, read_commanded, read_source, read_text
-from toolpace.programs.reading.controllers.doubt import thinned
+from toolpace.programs.reading.controllers.recognise import thinned
 from toolpace.programs.reading.inspection import inspect_source
 from toolpace.programs.reading.languages import with_controller
-from toolpace.results.write.reading_options import read_again, reading_record, write_how_read
+from toolpace.results.write.result import read_again, reading_record, write_reading_options
 
 HEAD = "G21 G90 G0 X0 Y0 Z5\nG1 X10 F600\n"
 CURE = "--controller"
@@ -98,7 +98,7 @@ def test_inspecting_and_timing_say_it_too():
 def test_a_plan_is_read_again_with_the_doubt_that_it_was_made_with(tmp_path):
     source = Source.from_text(HEAD + "G4 P500\nG1 X20\n")
     options, _ = with_controller(source, None, ReadOptions())
-    write_how_read(tmp_path, options)
+    write_reading_options(tmp_path, options)
     again = read_again(tmp_path, reading_record(options))
     assert read_source(source, None, None, again).assumed == read_source(source).assumed != ()
     with pytest.raises(UsageError, match="others of reading names 'okuma'"):

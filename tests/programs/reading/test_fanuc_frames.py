@@ -24,7 +24,12 @@ def test_joints_behind_every_motion(first):
     assert wrong(range(first, first + 4)) == []
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("first", range(1000, 1240, 40))
+@pytest.mark.parametrize(
+    "first",
+    [
+        pytest.param(first, marks=pytest.mark.sweep if first < 1120 else pytest.mark.thorough)
+        for first in range(1000, 1240, 40)
+    ],
+)
 def test_joints_behind_every_motion_of_many(first):
     assert wrong(range(first, first + 40)) == []

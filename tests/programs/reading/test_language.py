@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading import read_text
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import CALL, MAIN, PART, CallStack, Frame, Labels, Nesting, times
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import CALL, MAIN, PART, CallStack, Frame, Labels, Nesting, times
 
 WRITTEN = {
     "fanuc": ("G21 G90 F1000\n#1={0}\nG0 X0 Y0 Z0\nG1 X[#1]\nM30\n", "[", "]", "{}[{}]"),

@@ -67,12 +67,14 @@ def test_long_lines_cost_what_they_are_long(case):
     assert order_of_growth(read, text(100_000), text(400_000), 4.0) < 1.6
 
 
-@pytest.mark.sweep
-def test_whatever_is_repeated_costs_what_it_is_long():
-    """Every head, piece and tail together; only what takes long enough to be measured is measured."""
+@pytest.mark.parametrize(
+    "part", [pytest.param(part, marks=pytest.mark.thorough if part else pytest.mark.sweep) for part in range(5)]
+)
+def test_whatever_is_repeated_costs_what_it_is_long(part):
+    """Every head, piece and tail together, a fifth of them at a time."""
     import time
 
-    for head, piece, tail in itertools.product(HEADS, PIECES, TAILS):
+    for head, piece, tail in itertools.islice(itertools.product(HEADS, PIECES, TAILS), part, None, 5):
         for read in (readings, quantities):
             text = head + piece * (LONGER // len(piece)) + tail
             began = time.process_time()

@@ -12,9 +12,9 @@ from tests.support.controllers import read_for, tips
 from toolpace.common.errors import ProgramError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.expressions import Grammar, Parser, value_of
 from toolpace.programs.reading.gcode.program.variables import Variables
-from toolpace.programs.reading.language.expressions import BlockError
 
 START = "G90 G21 G94 G17 F100\nG0 X0 Y0 Z0\n"
 

@@ -7,7 +7,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.cli.demo_programs import impeller_program
-from toolpace.results.write.cldata import cldata_text
+from toolpace.results.write.set_up_folder import cldata_text
 
 INVERSE = """G21 G90 G43.4 H1
 G0 X0 Y0 Z20 A0 C0

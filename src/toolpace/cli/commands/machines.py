@@ -24,12 +24,20 @@ FromFiles = Annotated[
     Parameter(
         name="--from",
         consume_multiple=True,
-        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI. Files that it names are"
-        " found beside it, or given too.",
+        help="Files of a machine's control, from which to make a machine: of LinuxCNC its INI, of a Fanuc the"
+        " parameters as punched, of a Sinumerik machine data and swivel data as text, of a Heidenhain machine"
+        " parameters and kinematics. Files that an INI names are found beside it, or given too.",
     ),
 ]
 WriteMachine = Annotated[
     str | None, Parameter(name="--write", help="With --from: write the machine to this file (.toml).")
+]
+WriteController = Annotated[
+    str | None,
+    Parameter(
+        name="--write-controller",
+        help="With --from: write the figures by which the control moves to this file (.toml), for --controller.",
+    ),
 ]
 
 
@@ -41,6 +49,7 @@ def machines_command(
     poses: options.Poses = False,
     from_files: FromFiles = None,
     write: WriteMachine = None,
+    write_controller: WriteController = None,
 ) -> int:
     """List the built-in machines with their class, travel and limits; or make a machine from its control's files.
 
@@ -63,9 +72,10 @@ def machines_command(
     if from_files is not None:
         if name is not None:
             raise UsageError(f"machine {name[:40]} and --from: give one of both")
-        return _from_control(console, from_files, toml, poses, write)
-    if write is not None:
-        raise UsageError("--write goes with --from FILE...: the machine is made from its control's files")
+        return _from_control(console, from_files, toml, poses, write, write_controller)
+    for option, place in (("--write", write), ("--write-controller", write_controller)):
+        if place is not None:
+            raise UsageError(f"{option} goes with --from FILE...: what it writes is made from a control's files")
     if toml or poses:
         machine = Machine.load(arguments.one_machine(name, toml, poses))
         if toml:
@@ -78,8 +88,10 @@ def machines_command(
     return 0
 
 
-def _from_control(console: Console, files: list[str], toml: bool, poses: bool, write: str | None) -> int:
-    """Show the machine that the files tell, or write it."""
+def _from_control(
+    console: Console, files: list[str], toml: bool, poses: bool, write: str | None, write_controller: str | None
+) -> int:
+    """Show the machine that the files tell, or write it, and the controller."""
     from toolpace.cli import arguments, summary
     from toolpace.common.files import write_text
     from toolpace.machine.from_control import read_control
@@ -88,10 +100,15 @@ def _from_control(console: Console, files: list[str], toml: bool, poses: bool, w
     if toml and poses:
         raise UsageError("--toml and --poses: one at a time, so that what is printed by --toml is a machine file")
     place = arguments.file_for_result("--write", write)
+    controller_place = arguments.file_for_result("--write-controller", write_controller)
     at_terminal = place is not None and sys.stdin.isatty() and sys.stdout.isatty()
     draft = read_control([Path(file) for file in files], Answers(_ask if at_terminal else None))
+    if controller_place is not None and not draft.controller:
+        raise UsageError(f"--write-controller: files of {draft.record.control} have no figures that a model here takes")
     if place is not None:
         write_text(place, draft.text)
+    if controller_place is not None:
+        write_text(controller_place, draft.controller)
     if toml:
         print(draft.text, end="")
         return 0
@@ -103,6 +120,9 @@ def _from_control(console: Console, files: list[str], toml: bool, poses: bool, w
     if place is not None:
         shown = printable(str(place))
         line = f"   {shown}: compare it with the real machine, `toolpace machines {shown} --poses`"
+        console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
+    if controller_place is not None:
+        line = f"   {printable(str(controller_place))}: give it with --controller"
         console.print(Text.assemble(("written", "dim"), line), soft_wrap=True)
     return 0
 
@@ -123,5 +143,5 @@ def _show_notes(console: Console, draft: MachineDraft) -> None:
     for remark in draft.record.remarks:
         console.print(Text.assemble(("note", "dim"), f"   {printable(remark)}"), soft_wrap=True)
     for name, figure in draft.record.control_figures.items():
-        line = printable(f"   {name} = {figure.number:g} ({figure.origin})")
+        line = printable(f"   {name} = {figure.words} ({figure.origin})")
         console.print(Text.assemble(("control", "dim"), line), soft_wrap=True)

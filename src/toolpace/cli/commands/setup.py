@@ -80,8 +80,7 @@ class SearchOptions:
 
     def choices_in(self) -> Choices:
         """The choices in the file; the usual ones where none is named."""
-        from toolpace.setup_search.choices import Choices
-        from toolpace.setup_search.choices_file import load_choices
+        from toolpace.setup_search.choices import Choices, load_choices
 
         return Choices() if self.choices is None else load_choices(self.choices)
 

@@ -6,6 +6,7 @@ import math
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import msgspec
 import numpy as np
@@ -21,12 +22,16 @@ from toolpace.judge.table import with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.files.set_point_files import read_set_points
 from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
-from toolpace.motion.set_point_grid import grids
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import Sampling, each_block, grids
+from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.follow_run import FollowRun
+from toolpace.path.run import SplineRun
 from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_text
 from toolpace.programs.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath
 from toolpace.results import write
 from toolpace.results.write import PlanRecord
 from toolpace.results.write.result import copy_name
@@ -68,17 +73,26 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         except OSError as error:
             raise UsageError(f"{folder}: cannot read: {reason(error)}") from None
         if found.checks[0].ok and (folder / TRAJECTORY).exists():
-            found = replace(found, checks=(*found.checks, trajectory_check(folder, machine, setpoints)))
+            own = trajectory_checks(folder, machine, setpoints, toolpath, bends=tool is not None)
+            found = replace(found, checks=(*found.checks, *own))
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
 
 
-def trajectory_check(folder: Path, machine: Machine, points: SetPoints) -> Check:
-    """Whether path and speed laws of a plan come to its set-points: positions to a rounding, blocks, and the end."""
+def trajectory_checks(
+    folder: Path, machine: Machine, points: SetPoints, toolpath: ToolPath | None, *, bends: bool
+) -> tuple[Check, ...]:
+    """Whether path and speed laws of a plan come to its set-points: positions to a rounding, blocks, and the end; and
+    whether its feeds and least times are those of the program."""
     path, laws = read_trajectory(folder / TRAJECTORY, machine)
     off, at = largest_difference(Trajectory(path, machine.limits, laws), points)
     time, block = float(points.t[at]), int(points.block[at])
-    return Check(TRAJECTORY, off, MOST_OFF, "", off <= MOST_OFF, time, block, note="grids off the set-points")
+    check = Check(TRAJECTORY, off, MOST_OFF, "", off <= MOST_OFF, time, block, note="grids off the set-points")
+    if toolpath is None:
+        return (check,)
+    words, block = other_feed(path, toolpath, bends=bends)
+    note = words or "those of the program"
+    return check, Check(f"{TRAJECTORY} feeds", 0.0, 0.0, "", not words, block=block, note=note)
 
 
 def largest_difference(trajectory: Trajectory, points: SetPoints) -> tuple[float, int]:
@@ -86,18 +100,53 @@ def largest_difference(trajectory: Trajectory, points: SetPoints) -> tuple[float
 
     Infinite where there are more or fewer of them, or where one names a block that is not run at it or beside it.
     """
-    dt = float(points.t[1] - points.t[0])
-    sampled = trajectory.sample(dt, on_grid=True)
-    if len(sampled) != len(points):
-        return math.inf, min(len(sampled), len(points)) - 1
-    off = np.zeros(len(points))
-    for joint, grid in enumerate(grids(trajectory.limits, dt)[0]):
-        np.maximum(off, np.abs(sampled.q[:, joint] - points.q[:, joint]) / grid, out=off)
-    beside = np.concatenate([sampled.block[:1], sampled.block, sampled.block[-1:]])
-    named = (points.block == beside[:-2]) | (points.block == beside[1:-1]) | (points.block == beside[2:])
-    off[~named] = math.inf
-    worst = int(np.argmax(off))
-    return float(off[worst]), worst
+    dt, count = float(points.t[1] - points.t[0]), len(points)
+    sampling = Sampling(trajectory, dt, on_grid=True)
+    if len(sampling) != count:
+        return math.inf, min(len(sampling), count) - 1
+    grid, found = grids(trajectory.limits, dt)[0], {}
+
+    def compare(block: Block) -> None:
+        begin, end, first = block.begin, block.end, block.first
+        mine = slice(begin - first, end - first)
+        off = (np.abs(block.near.q[mine] - points.q[begin:end]) / grid).max(axis=1)
+        # two set-points are of the blocks beside them, too
+        beside = np.pad(block.near.block, 1, mode="edge")[begin - first : end - first + 2]
+        given = points.block[begin:end]
+        off[(given != beside[:-2]) & (given != beside[1:-1]) & (given != beside[2:])] = math.inf
+        worst = int(np.argmax(off))
+        found[begin] = float(off[worst]), begin + worst
+
+    each_block(sampling, (compare,))
+    return max((found[begin] for begin in sorted(found)), key=lambda each: each[0])
+
+
+def other_feed(path: AxisPath, toolpath: ToolPath, *, bends: bool) -> tuple[str, int]:
+    """What is said where a path's blocks, feeds or least times are not those of the program, and the block; empty where
+    they are.
+
+    Of a tool that bends the path has blocks of its own, slower by what the tip is bent: none may be quicker.
+    """
+    before = 0
+    lines = toolpath.block[1:]
+    for run in path.runs:
+        spline = cast(SplineRun, cast(FollowRun, run).run)
+        entry, block = spline.entry, spline.block
+        known = np.isin(block, lines) & (len(entry) == len(block))
+        if not known.all():
+            return "a block that the program has not", int(block[np.argmin(known)])
+        if bends:
+            most = {int(line): float(toolpath.feed[1:][lines == line].max()) for line in np.unique(block)}
+            same = spline.feed <= np.array([most[int(line)] for line in block])
+        elif entry[0] <= before or (np.diff(entry) <= 0).any() or entry[-1] >= len(toolpath):
+            return "its blocks lead to points out of their order", int(block[0])
+        else:
+            wanted = (toolpath.block[entry], toolpath.feed[entry], toolpath.least_time[entry])
+            same = np.logical_and.reduce([a == b for a, b in zip((block, spline.feed, spline.least_time), wanted)])
+            before = int(entry[-1])
+        if not same.all():
+            return "not the block, feed and least time of the program", int(block[np.argmin(same)])
+    return "", 0
 
 
 def refuse_pipes(folder: Path) -> None:

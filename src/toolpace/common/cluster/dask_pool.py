@@ -26,7 +26,7 @@ C = TypeVar("C")
 T = TypeVar("T")
 R = TypeVar("R")
 
-LOOK = 1.0
+POLL_INTERVAL = 1.0
 """Time between two looks at who is there [s]."""
 PATIENCE = 60.0
 """Time without any worker after which none is waited for [s]."""
@@ -108,11 +108,11 @@ class _Run(Generic[C, T, R]):
         self.held: Held[C] | Future = Held(work.common)
         if len(cloudpickle.dumps(work.common)) > SMALL:
             self.held = self._submit(hold, self.held, key=f"{self.name}-common")
-        self._look()
+        self._poll()
 
     def has_room(self) -> bool:
         """Whether the cluster can take another item."""
-        self._look_again()
+        self._poll_again()
         return len(self.flying) < max(1, (1 + self.work.ahead) * self.width)
 
     def begin(self, number: int, item: T) -> Outcome[T, R] | None:
@@ -139,11 +139,11 @@ class _Run(Generic[C, T, R]):
 
     def outcomes(self) -> Iterator[Outcome[T, R]]:
         """The next outcome; none where none came for a while, or an item must be tried again."""
-        self._look_again()
+        self._poll_again()
         while self.ready:
             yield self.ready.pop()
         try:
-            number, future = self.came.get(timeout=LOOK)
+            number, future = self.came.get(timeout=POLL_INTERVAL)
         except Empty:
             return
         flight = self.flying.get(number)
@@ -216,11 +216,11 @@ class _Run(Generic[C, T, R]):
         with contextlib.suppress(OSError, ValueError):
             self.client.run_on_scheduler(throw_away)
 
-    def _look_again(self) -> None:
-        if time.monotonic() - self.looked >= LOOK:
-            self._look()
+    def _poll_again(self) -> None:
+        if time.monotonic() - self.looked >= POLL_INTERVAL:
+            self._poll()
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         """Who is there, and what they hold. Raises ClusterError where nobody is, or was for long."""
         self.looked = time.monotonic()
         if self.client.status != "running":
@@ -272,8 +272,8 @@ def throw_away(dask_scheduler: Scheduler) -> None:
     spans = getattr(dask_scheduler.extensions.get("spans"), "spans", {})
     for span in spans.values():
         kinds = (span.metadata or {}).get("collections", [])
-        unlike: list[object] = []
+        distinct: list[object] = []
         for kind in kinds:
-            if kind not in unlike:
-                unlike.append(kind)
-        kinds[:] = unlike
+            if kind not in distinct:
+                distinct.append(kind)
+        kinds[:] = distinct

@@ -1,4 +1,4 @@
-"""Files written under a temporary name, then renamed: written completely or not at all.
+"""Files written completely or not at all, by renaming a temporary file; and binary files read, with one error.
 
 A temporary file or folder is called `.toolpace-new-...` and lies beside what it will become, so that moving it is a
 rename on one disk. Its maker holds a lock on it, which the system lets go when the process ends, however it ends. So
@@ -18,11 +18,11 @@ import stat
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, BinaryIO, TypeVar
 
 from toolpace.common.errors import UsageError
 from toolpace.common.files.seal import foreign, read_seal
@@ -34,6 +34,9 @@ TRIES = 100
 """Names that are tried before something else must be wrong."""
 PATIENCE = 10.0
 """How long the lock on a folder of results is waited for [s]: a run holds it while it puts its own in the place."""
+AGAIN = "plan again, into a new folder"
+"""The cure for a binary file that cannot be read."""
+Content = TypeVar("Content")
 
 
 def reason(error: OSError | ValueError) -> str:
@@ -275,3 +278,25 @@ def uninterrupted() -> Iterator[None]:
             signal.signal(number, handler)
         if came:
             signal.raise_signal(came[0])
+
+
+def read_binary(
+    path: str | os.PathLike[str], read: Callable[[BinaryIO], Content], missing: str, what: str
+) -> Content:
+    """What `read` makes of the open file.
+
+    `missing` says where such a file comes from, `what` what it ought to be ("a trajectory"). Whatever a reader of
+    damaged bytes may raise, and a UsageError of it, becomes a UsageError that begins with the file.
+    """
+    source = Path(path)
+    try:
+        with source.open("rb") as stream:
+            return read(stream)
+    except FileNotFoundError:
+        raise UsageError(f"{source}: no such file; {missing}") from None
+    except OSError as error:
+        raise UsageError(f"{source}: cannot read: {reason(error)}") from None
+    except UsageError as error:
+        raise UsageError(f"{source}: {error}; {AGAIN}") from None
+    except (ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
+        raise UsageError(f"{source}: damaged or not {what}; {AGAIN}") from None

@@ -17,7 +17,7 @@ MAIN = ("plan.json", "study.json", "export.json", "time.json", "inspect.json", "
 KEY = "seal"
 _OPEN = "0" * 64
 """Stands in the file while its checksum is taken."""
-LOOKS = 20
+MOST_TRIES = 20
 """At a folder that others replace, before it is said to be changed."""
 LONGEST = 1 << 26
 """Most bytes of a file that bears a seal; more is none of ours."""
@@ -58,7 +58,7 @@ def foreign(folder: Path) -> str:
     Another run may put its folder in the place of this one meanwhile: then it is looked at anew. Raises OSError where
     the folder cannot be read.
     """
-    for _ in range(LOOKS):
+    for _ in range(MOST_TRIES):
         seal = read_seal(folder)
         found = _beside(folder, seal)
         if not found or read_seal(folder) == seal:

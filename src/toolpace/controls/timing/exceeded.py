@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.controls.timing.axis_motion import axis_ways
+from toolpace.controls.timing.axis_motion import Transitions, axis_ways
 from toolpace.controls.timing.blocks import MotionProfile, rests
 from toolpace.controls.timing.figures import ControlFigures, limits_of
 from toolpace.controls.timing.sinumerik import tolerances
-from toolpace.controls.timing.transitions import Transitions
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:

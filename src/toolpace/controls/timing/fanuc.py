@@ -21,10 +21,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.controls.timing.axis_motion import axis_ways
+from toolpace.controls.timing.axis_motion import Transitions, axis_ways, least_ratio
 from toolpace.controls.timing.blocks import FEED, MotionProfile, cruise_speeds, profile_along, rest_ends, rests
 from toolpace.controls.timing.figures import ControlFigures, limits_of
-from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:

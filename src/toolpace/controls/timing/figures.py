@@ -11,11 +11,12 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, in_short
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.controls.timing.makers import FanucFigures, HeidenhainFigures, SinumerikFigures
+from toolpace.controls.timing.makers import FanucFigures, HeidenhainFigures, LinuxCNCFigures, SinumerikFigures
 from toolpace.machine.limits import Limits
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
+    from toolpace.programs.commanded import Commanded
 
 MODELS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal")
 FORMER_MODELS = {"fir": "heidenhain or fanuc, which filter as their makers say, or lookahead"}
@@ -33,7 +34,7 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tolerance: Positive | None = None
     """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
     axis_tolerance: Positive = 0.05
-    """The same of turns [deg]."""
+    """The same of turns, where the program does not say [deg]."""
     compress: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)] | None = None
     """Within which short blocks are taken as one line, where the program does not say [mm]; 0: none are, not given:
     the tolerance of corners. `fanuc` and `linuxcnc` take none by it."""
@@ -51,16 +52,12 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     sinumerik: SinumerikFigures = SinumerikFigures()
     heidenhain: HeidenhainFigures = HeidenhainFigures()
     fanuc: FanucFigures = FanucFigures()
+    linuxcnc: LinuxCNCFigures = LinuxCNCFigures()
 
     @property
     def room(self) -> float:
         """Tolerance of corners [m]."""
         return (USUAL_TOLERANCE if self.tolerance is None else self.tolerance) * MILLIMETRE
-
-    @property
-    def turned_metre(self) -> float:
-        """What a turn by a radian counts for beside the tolerance of the tip [m]."""
-        return self.room / (self.axis_tolerance * DEGREE)
 
 
 def figures_of(table: Mapping[str, object], source: str, model: str | None = None) -> ControlFigures:
@@ -100,6 +97,12 @@ def _scaled(machine: Machine, own: Floats, share_or_figures: float | dict[str, f
     return limits
 
 
-def off_the_path(machine: Machine, figures: ControlFigures) -> Floats:
-    """(axes,) what a unit of each axis counts for beside the tolerance of the tip [m]."""
-    return np.where(machine.is_rotary, figures.turned_metre, 1.0)
+def off_the_path(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:
+    """(axes,) what a unit of each axis counts for beside the tolerance of the tip [m].
+
+    A turn by its tolerance counts as much as that of the tip; of several in a program the least hold.
+    """
+    axis = moves.axis_tolerance[np.isfinite(moves.axis_tolerance)].min(initial=np.inf)
+    turn = axis if np.isfinite(axis) else figures.axis_tolerance * DEGREE
+    tip = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)].min(initial=np.inf)
+    return np.where(machine.is_rotary, (tip if np.isfinite(tip) else figures.room) / turn, 1.0)

@@ -20,11 +20,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.controls.timing.axis_motion import AxisWays, axis_ways, linear_columns
+from toolpace.controls.timing.axis_motion import AxisWays, Transitions, axis_ways, least_ratio, linear_columns
 from toolpace.controls.timing.blocks import FEED, MotionProfile, cruise_speeds, profile_along, rest_ends, rests, room_of
 from toolpace.controls.timing.chains import profile_along_chains
 from toolpace.controls.timing.figures import ControlFigures, limits_of, off_the_path
-from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ READ_AHEAD = 5000
 def heidenhain_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
     """Times of moves and speeds at their ends."""
     own, limits, stop = figures.heidenhain, limits_of(machine, figures), rests(moves)
-    room, off = room_of(moves, figures), off_the_path(machine, figures)
+    room, off = room_of(moves, figures), off_the_path(moves, machine, figures)
     half = half_filters(machine, limits, room, figures)
     path_jerk = np.where(moves.rapid, own.path_jerk_rapid, own.path_jerk)
     axis_jerk = np.where(moves.rapid, own.axis_jerk_rapid, 1.0)

@@ -1,6 +1,6 @@
-"""The model `linuxcnc`: interpreter and trajectory planner of LinuxCNC 2.9, cycle by cycle.
+"""The model `linuxcnc`: interpreter and trajectory planner of LinuxCNC 2.9, cycle by cycle; of 2.10 with limited jerk.
 
-Source: LinuxCNC's documents ("Trajectory Control" and section TRAJ of the ini file), and what its source does
+Source: LinuxCNC's documents ("Trajectory Control", "G64 R" and section TRAJ of the ini file), and what its source does
 (src/emc/task/emccanon.cc, src/emc/tp). Axis limits hold for the words: of a block, the least of limit over share of its
 way. Held against its own runs in benchmarks/results/linuxcnc_times.md.
 """
@@ -51,7 +51,7 @@ class Canon:
 
     def __init__(self, moves: Commanded, machine: Machine, waits: Waits) -> None:
         self.moves = moves
-        self.velocity, self.acceleration = _limits(moves, machine)
+        self.velocity, self.acceleration, self.jerk = _limits(moves, machine)
         rows = _Rows(moves, waits)
         self.ends = rows.ends()
         """Rows at which blocks end."""
@@ -71,7 +71,7 @@ class Canon:
         return np.asarray(np.maximum(spent, 0.0))
 
     def _blocks(self) -> Blocks:
-        from toolpace.kernels.linuxcnc.blocks import ARC, LINE, Blocks
+        from toolpace.kernels.linuxcnc.blocks import ARC, LINE, OF_WAIT, Blocks
 
         rows, last = self.rows, self.ends
         first = np.concatenate([[0], last[:-1]]) + 1
@@ -82,24 +82,33 @@ class Canon:
         stands = ~xyz.any(axis=1) & ~arc
         size = np.where(stands, np.linalg.norm(way[:, 3:], axis=1), size)
         size[arc] = rows.size[last[arc]]
-        least, slowest = (np.abs(way) / self.velocity).max(axis=1), (np.abs(way) / self.acceleration).max(axis=1)
-        self._bend(rows, last, arc, least, slowest)
+        limits = self.velocity, self.acceleration, self.jerk
+        least, slowest, sharpest = ((np.abs(way) / limit).max(axis=1) for limit in limits)
+        self._bend(rows, last, arc, least, slowest, sharpest)
         with np.errstate(divide="ignore", invalid="ignore"):
             top = np.where(least > 0.0, np.minimum(size / least, FAR), FAR)
             acceleration = np.where(slowest > 0.0, np.minimum(size / slowest, FAR), FAR)
+            jerk = np.where(sharpest > 0.0, size / sharpest, FAR)
             straight = np.where(stands[:, None], 0.0, xyz / np.linalg.norm(xyz, axis=1)[:, None])
         rate = np.where(stands, rows.turn[last], rows.speed[last])
         figures = np.column_stack([
             np.where(arc, ARC, LINE), rows.rapid[last], way[:, 3:].any(axis=1) * np.where(stands, 2.0, 1.0), size,
             np.where(rows.rapid[last], top, np.minimum(rate, top)), top, acceleration, rows.radius[last],
-            rows.sweep[last], rows.joining[last], rows.tolerance[last], rows.wait[last],
+            rows.sweep[last], rows.joining[last], rows.tolerance[last], rows.wait[last], jerk,
         ])  # fmt: skip
         begin, end = (np.where(arc[:, None], each[last], straight) for each in (rows.begin, rows.end))
         corner = rows.place[last, :3] - xyz
         vectors = np.stack([begin, end, corner, rows.centre[last], rows.normal[last], rows.rise()[last]], axis=1)
-        return Blocks(figures, np.ascontiguousarray(vectors))
+        # what is joined to no way at all is left out, as the planner does; its wait stays with the block before it
+        waits = figures[:, OF_WAIT]
+        moving = (size > 0.0) | ((np.arange(len(size)) == 0) & (waits >= 0.0))
+        at = np.maximum.accumulate(np.where(moving, np.arange(len(size)), 0))
+        for still in np.flatnonzero(~moving & (waits >= 0.0)):
+            waits[at[still]] = max(waits[at[still]], 0.0) + waits[still]
+        self.ends = last[moving]
+        return Blocks(figures[moving], np.ascontiguousarray(vectors[moving]))
 
-    def _bend(self, rows: _Rows, last: Ints, arc: Bools, least: Floats, slowest: Floats) -> None:
+    def _bend(self, rows: _Rows, last: Ints, arc: Bools, least: Floats, slowest: Floats, sharpest: Floats) -> None:
         """Arcs take the least limit of their plane's axes, everywhere."""
         if not arc.any():
             return
@@ -111,6 +120,7 @@ class Canon:
         fastest = np.minimum(velocity, np.sqrt(acceleration * np.sqrt(0.75) * rows.radius[at]))
         least[arc] = np.maximum(least[arc], around / fastest)
         slowest[arc] = np.maximum(slowest[arc], around / acceleration)
+        sharpest[arc] = np.maximum(sharpest[arc], around / np.where(across, self.jerk[:3], np.inf).min(axis=1))
 
 
 class _Rows:
@@ -187,8 +197,8 @@ class _Rows:
         return chain_ends(np.ascontiguousarray(self.place[:, :3]), self.chained, alone, cut)
 
 
-def _limits(moves: Commanded, machine: Machine) -> tuple[Floats, Floats]:
-    """(3 + rotary,) velocity and acceleration of the axes of X, Y, Z and the rotary words [mm, deg]."""
+def _limits(moves: Commanded, machine: Machine) -> tuple[Floats, Floats, Floats]:
+    """(3 + rotary,) velocity, acceleration and jerk of the axes of X, Y, Z and the rotary words [mm, deg]."""
     named = [name for name in "XYZ" if name in machine.joints]
     linear = [machine.joints.index(name) for name in named] if len(named) == 3 else list(machine.linear)
     columns = [*linear, *(machine.joints.index(name) for name in moves.rotary_joints)]
@@ -197,6 +207,7 @@ def _limits(moves: Commanded, machine: Machine) -> tuple[Floats, Floats]:
     return (
         np.minimum(limits.velocity[columns] / unit, FAR),
         np.minimum(limits.acceleration[columns] / unit, FAR),
+        np.minimum(limits.jerk[columns] / unit, FAR),
     )
 
 
@@ -228,6 +239,12 @@ class LinuxCNC:
     """ARC_BLEND_GAP_CYCLES."""
     ramp_frequency: float = 100.0
     """ARC_BLEND_RAMP_FREQ [Hz]."""
+    planner: int = 0
+    """PLANNER_TYPE: 1 with limited jerk (2.10), 0 without (2.9, 2.10)."""
+    path_jerk: float = 0.0
+    """MAX_LINEAR_JERK of TRAJ [mm/s^3]; 0: the greatest of X, Y and Z."""
+    peak_scale: float = 1.0
+    """SCURVE_PEAK_SCALE, or R of G64."""
     waits: Waits = field(default_factory=Waits)
 
 
@@ -238,23 +255,27 @@ def linuxcnc_times(moves: Commanded, machine: Machine, settings: LinuxCNC | None
     """
     from toolpace.kernels.linuxcnc.blocks import Control
     from toolpace.kernels.linuxcnc.program import cycles_of
+    from toolpace.kernels.linuxcnc.s_curves import s_curve_ends
 
     settings = settings or LinuxCNC()
     canon = Canon(moves, machine, settings.waits)
     if not len(canon.blocks.figures):
         return np.zeros(len(moves))
-    cycle = settings.cycle * max(1.0, _ramped(canon.blocks) / (MOST_CYCLES * settings.cycle))
+    jerk = (settings.path_jerk or float(canon.jerk[:3].max())) if settings.planner else 0.0
+    cycle = settings.cycle * (1.0 if jerk else max(1.0, _ramped(canon.blocks) / (MOST_CYCLES * settings.cycle)))
     control = Control(
         cycle, canon.velocity[:3].copy(), canon.acceleration[:3].copy(), settings.path_velocity,
         settings.most_override, settings.kink_ratio, settings.depth, settings.gap_cycles, settings.ramp_frequency,
+        jerk, settings.peak_scale,
     )  # fmt: skip
-    ended = cycles_of(canon.blocks, control)
-    if np.any(ended < 0):
-        row = canon.rows.of[canon.ends[int(np.argmax(ended < 0))]]
+    ended = s_curve_ends(canon.blocks, control) if jerk else np.asarray(cycles_of(canon.blocks, control) * cycle)
+    never = ~(ended >= 0.0)
+    if never.any():
+        row = canon.rows.of[canon.ends[int(np.argmax(never))]]
         raise UsageError(
             f"{moves.source}, line {moves.line[row]}: LinuxCNC would not get to the end of this block; check its F"
         )
-    return canon.times(ended.astype(float) * cycle)
+    return canon.times(ended)
 
 
 def _ramped(blocks: Blocks) -> float:

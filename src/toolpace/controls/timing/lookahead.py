@@ -24,7 +24,7 @@ def lookahead_profile(moves: Commanded, machine: Machine, figures: ControlFigure
     from toolpace.kernels.controls.rounding import rounded_speeds
 
     limits, stop = limits_of(machine, figures), rests(moves)
-    room, off = room_of(moves, figures), off_the_path(machine, figures)
+    room, off = room_of(moves, figures), off_the_path(moves, machine, figures)
 
     def driven(ways: AxisWays, line: Floats) -> MotionProfile:
         feed = cruise_speeds(moves, ways, limits.velocity, limits.acceleration, figures.block_time)

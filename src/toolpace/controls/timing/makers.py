@@ -1,11 +1,11 @@
-"""The figures of three makers' controls that their own parameters hold, with defaults from the makers' manuals.
+"""The figures of four makers' controls that their own parameters hold, with defaults from the makers' manuals.
 
 What no manual tells is marked (assumption). Feeds are in mm/min, times in seconds, lengths in mm, as in the manuals.
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -40,6 +40,10 @@ class SinumerikFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Under DYNSEMIFIN."""
     jerk_rough: Factor = 1.0
     """Under DYNROUGH."""
+    jerk_precise: Factor = 1.0
+    """Under DYNPREC."""
+    jerk_position: Factor = 1.0
+    """Under DYNPOS."""
     brisk: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.0
     """1: the program begins with BRISK; 0: with SOFT (assumption: MD20150 sets it, and CYCLE832 switches SOFT on)."""
 
@@ -86,3 +90,18 @@ class FanucFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """1769, time constant of acceleration after interpolation [s] (assumption: none)."""
     cycle: Annotated[float, msgspec.Meta(gt=0.0, le=0.1)] = 0.001
     """Over which a jump of velocity is spread where nothing is behind the interpolation [s] (assumption)."""
+
+
+class LinuxCNCFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Settings of LinuxCNC, by the sections TRAJ and EMCMOT of its ini file (its documents, "INI Configuration")."""
+
+    planner: Literal[0, 1] = 0
+    """PLANNER_TYPE: 1 keeps jerk (2.10), 0 does not (2.9, and the default of 2.10). R of G64 takes its place."""
+    cycle: Annotated[float, msgspec.Meta(gt=0.0, le=0.1)] = 0.001
+    """SERVO_PERIOD [s]."""
+    path_velocity: Figure = 0.0
+    """MAX_LINEAR_VELOCITY [mm/s]; 0: none but the axes'."""
+    path_jerk: Figure = 0.0
+    """MAX_LINEAR_JERK [mm/s^3], by which arcs and roundings are slowed; 0: the greatest of X, Y and Z (assumption)."""
+    peak_scale: Annotated[float, msgspec.Meta(ge=0.1, le=1.0)] = 1.0
+    """SCURVE_PEAK_SCALE."""

@@ -16,7 +16,7 @@ from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
 from toolpace.controls.timing.fanuc import fanuc_profile
 from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
 from toolpace.controls.timing.heidenhain import heidenhain_profile
-from toolpace.controls.timing.linuxcnc import linuxcnc_times
+from toolpace.controls.timing.linuxcnc import FAR, LinuxCNC, linuxcnc_times
 from toolpace.controls.timing.lookahead import lookahead_profile
 from toolpace.controls.timing.sinumerik import sinumerik_profile
 from toolpace.programs.commanded import BLENDED, Commanded
@@ -38,9 +38,18 @@ STILL = 1e-12
 
 
 def _linuxcnc_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
-    """LinuxCNC with the limits and the tolerance of the figures, where they have any."""
+    """LinuxCNC with the limits and the tolerance of the figures, where they have any.
+
+    The first R of G64 chooses the planner for the whole program: it belongs at its beginning, and waits for rest.
+    """
     rounded = moves if figures.tolerance is None else replace(moves, tolerance=room_of(moves, figures))
-    times = linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)))
+    own = figures.linuxcnc
+    words = moves.dynamics[np.isfinite(moves.dynamics[:, 3]), 3]
+    planner, scale = (own.planner, own.peak_scale) if not len(words) else (int(words[0] > 0.0), float(words[0]) or 1.0)
+    settings = LinuxCNC(
+        own.cycle, own.path_velocity or FAR, planner=planner, path_jerk=own.path_jerk, peak_scale=scale
+    )
+    times = linuxcnc_times(rounded, machine.with_limits(limits_of(machine, figures)), settings)
     return MotionProfile(times, np.full(len(times), np.nan))
 
 
@@ -237,8 +246,9 @@ def moves_of_points(toolpath: ToolPath, machine: Machine) -> Commanded:
         stop=toolpath.stop,
         joining=np.full(count, BLENDED),
         tolerance=np.full(count, np.inf),
+        axis_tolerance=np.full(count, np.nan),
         cam_tolerance=np.full(count, np.nan),
-        dynamics=np.full((count, 3), np.nan),
+        dynamics=np.full((count, 4), np.nan),
         dwell=toolpath.dwell,
         operation=toolpath.operation,
         operations=toolpath.operations,

@@ -1,7 +1,8 @@
 """The model `sinumerik`: Siemens Sinumerik 840D, 828D, One, by its Function Manual Basic Functions (B1, B2).
 
 * SOFT: jerk along the path is limited by each axis' share of it (B2, acceleration with jerk limitation: seven phases);
-  BRISK: it is not. Rapids: MD32434, MD32435 (B2, 2.15 and 12.2.15).
+  BRISK and DRIVE: it is not. DRIVE's knee is taken to be off, as with MD35220 = 1 (B2, 2.18). Rapids: MD32434,
+  MD32435 (B2, 2.15 and 12.2.15).
 * Corners with a tolerance (G64x, CYCLE832): the change of velocity is spread over a rounding within the tolerance, as
   `kernels.controls.rounding` says.
 * Corners without one: the velocity of an axis may jump by a (overload - 1) cycle (B1, overload factor, MD32310). A
@@ -9,7 +10,7 @@
 * Jump of curvature: with jerk limitation the acceleration a_j across the path cannot jump (B2, 12.2.16). Spread over
   the time a_j / J it leaves the path by a_j^3 / (24 J^2): that stays within the tolerance, and J is MD32432
   (assumption: the manual says that it slows down, and gives no formula). Without a tolerance a_j is J times the cycle.
-* DYNFINISH, DYNSEMIFIN, DYNROUGH, and the modes of CYCLE832, choose among values of the jerk MD32431.
+* DYNFINISH, DYNSEMIFIN, DYNROUGH, DYNPREC, DYNPOS, and the modes of CYCLE832, choose among values of the jerk MD32431.
 * Curves: MD20602 shares the acceleration between the directions across and along the path.
 """
 
@@ -20,18 +21,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.controls.timing.axis_motion import AxisWays, axis_ways
+from toolpace.controls.timing.axis_motion import AxisWays, Transitions, axis_ways, least_ratio
 from toolpace.controls.timing.blocks import MotionProfile, cruise_speeds, profile_along, rests, room_of
 from toolpace.controls.timing.chains import profile_along_chains
 from toolpace.controls.timing.figures import ControlFigures, limits_of, off_the_path
-from toolpace.controls.timing.transitions import Transitions, least_ratio
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
 
-FINISH, SEMIFINISH, ROUGH = 1.0, 2.0, 3.0
+FINISH, SEMIFINISH, ROUGH, PRECISE, POSITION = 1.0, 2.0, 3.0, 4.0, 5.0
 """Sets of limits, as `Commanded.dynamics` has them."""
 DEVIATION = 24.0
 """Of the deviation a^3 / (24 J^2): a step of acceleration a that is spread over the time a / J."""
@@ -40,11 +40,15 @@ DEVIATION = 24.0
 def sinumerik_profile(moves: Commanded, machine: Machine, figures: ControlFigures) -> MotionProfile:
     """Times of moves and speeds at their ends."""
     own, limits, stop = figures.sinumerik, limits_of(machine, figures), rests(moves)
-    off = off_the_path(machine, figures)
+    off = off_the_path(moves, machine, figures)
     brisk = brisk_moves(moves, figures)
     acceleration = np.where(brisk, 1.0, own.soft_acceleration) * np.where(moves.rapid, own.rapid_acceleration, 1.0)
     jerk = np.where(brisk, np.inf, np.where(moves.rapid, own.rapid_jerk, 1.0))
-    for mode, share in ((FINISH, own.jerk_finish), (SEMIFINISH, own.jerk_semifinish), (ROUGH, own.jerk_rough)):
+    shares = {
+        FINISH: own.jerk_finish, SEMIFINISH: own.jerk_semifinish, ROUGH: own.jerk_rough, PRECISE: own.jerk_precise,
+        POSITION: own.jerk_position,
+    }  # fmt: skip
+    for mode, share in shares.items():
         jerk = np.where(moves.dynamics[:, 2] == mode, share * jerk, jerk)
     across = own.curve_share or 1.0
 

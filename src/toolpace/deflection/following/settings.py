@@ -19,6 +19,7 @@ FINEST, COARSEST = 1e-5, 0.1
 MOST_BELIEVABLE, MOST_WAIT = 0.2, 5e-3
 """Deflection that may be believed, and lag of a correction [m]."""
 MOST_RESERVE = 0.5
+"""Share of each limit that may be kept for the correction: no more than is left to the path."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.deflection.feed import above_feed, feed_at, tip_velocity
 from toolpace.deflection.rejoin.joint_splines import Problem
-from toolpace.deflection.rejoin.limit_check import FINAL, LOOKS, LimitCheck, check_limits
+from toolpace.deflection.rejoin.limit_check import FINAL, SAMPLES, LimitCheck, check_limits
 from toolpace.deflection.rejoin.stop import Stop, StopAlone, StopTogether
 from toolpace.deflection.rejoin.superposed import (
     Before,
@@ -253,7 +253,7 @@ def lengthened(
         cost = way.duration + way.lost
         if cost >= most:
             break
-        seen = check_limits(problem, way, LOOKS)
+        seen = check_limits(problem, way, SAMPLES)
         if seen.passes:
             seen = check_limits(problem, way, FINAL)
         if seen.passes:

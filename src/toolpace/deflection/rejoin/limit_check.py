@@ -15,7 +15,7 @@ from toolpace.deflection.rejoin_motion import RejoinMotion
 from toolpace.machine.limits import KINDS
 from toolpace.planning.limit_tolerances import DETOUR
 
-LOOKS, FINAL = 6, 64
+SAMPLES, FINAL = 6, 64
 """Looks in each step of a way: while one is searched, and before it is taken."""
 CLOSER, BETWEEN = 3, 9
 """Closer looks at what lies beside a jump of the jerk, and the instants of each between two."""
@@ -44,23 +44,23 @@ class LimitCheck:
         return self.inside and self.joints <= DETOUR and self.feed <= DETOUR
 
 
-def check_limits(problem: Problem, rejoin: SuperposedRejoin | RestartFromRest, looks: int) -> LimitCheck:
+def check_limits(problem: Problem, rejoin: SuperposedRejoin | RestartFromRest, samples: int) -> LimitCheck:
     """At a way, so many times in each step."""
-    inner = np.arange(looks) / looks
+    inner = np.arange(samples) / samples
     t = np.append((rejoin.times[:-1, None] + np.diff(rejoin.times)[:, None] * inner).ravel(), rejoin.duration)
     q, *rates = rejoin.motion(t)
     low, high = problem.travel.T
     inside = bool((q >= low - ROUNDING).all() and (q <= high + ROUNDING).all())
     limits = [getattr(problem.limits, kind) for kind in KINDS]
     joints = max(float((np.abs(rate) / limit).max()) for rate, limit in zip(rates, limits))
-    if looks == FINAL:
+    if samples == FINAL:
         joints = max(joints, at_jumps(rejoin, t, rates[2] / limits[2], limits[2]))
     feed, above = 0.0, 0.0
     if problem.machine is not None:
         allowed = feed_at(problem.commanded.run, rejoin.abreast(t))
         if np.isfinite(allowed).any():
             ratio = np.linalg.norm(tip_velocity(problem.machine, q, rates[0]), axis=1) / allowed
-            changes = feed_changes(rejoin, t) if looks == FINAL else t[:0]
+            changes = feed_changes(rejoin, t) if samples == FINAL else t[:0]
             if len(changes):
                 order = np.argsort(np.append(t, changes), kind="stable")
                 ratio = np.append(ratio, feed_used(rejoin, problem.machine, changes))[order]

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.deflection.feed import feed_at, feed_used_at_looks, tip_velocity
+from toolpace.deflection.feed import feed_at, sampled_feed_use, tip_velocity
 from toolpace.deflection.rejoin.guaranteed import FeedFallback, Standby, fed_time, guaranteed_rejoin, price
 from toolpace.deflection.rejoin.joint_splines import (
     ENOUGH,
@@ -56,10 +56,11 @@ LOSS = 0.3
 """Part of a detour's time that may be lost beyond what the deflection asks for at once."""
 BRAKING = (0.9, 0.6, 0.3)
 """Shares of the jerk with which the tip is braked at least while it is above the feed; the later where none passes."""
-ROUNDS = 4
-"""Of a point of rejoining that moves with the time lost, until it is known to `KNOWN`, a share of the time taken."""
-KNOWN = 0.05
-LOOKS = 2
+MOST_ITERATIONS = 4
+"""Of a point of rejoining that moves with the time lost."""
+CONVERGED = 0.05
+"""Change of that point from which on it has converged, as a share of the time taken."""
+MOST_SOLUTIONS = 2
 """Of a way to a fixed place, of which the later mend what the feed along the one before it leaves."""
 MARGINS = (0.0, 0.003, 0.012, 0.05)
 """Time that is lost beyond the least, as a share of that taken: it leaves room within the limits."""
@@ -188,7 +189,7 @@ def with_loss(spline: Spline, guess: float, wish: float, share: float) -> tuple[
     """The detour that loses or wins least time beside what is wished, as `find_rejoin` returns it."""
     period, lead, way = spline.period, guess, 0
     rest = spline.problem.commanded.law.duration - spline.problem.left
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ITERATIONS):
         if period - lead >= rest:
             return at_place(spline, share, period - rest)
         reach = abs(lead - wish) + LOSS * period
@@ -197,7 +198,7 @@ def with_loss(spline: Spline, guess: float, wish: float, share: float) -> tuple[
         if spline.used > DETOUR:
             return None, spline.used
         lead = spline.lead + spline.late
-        if way and abs(spline.late) <= KNOWN * period:
+        if way and abs(spline.late) <= CONVERGED * period:
             break
         way = way or (1 if lead >= wish else -1)
     if abs(lead - wish) < MARGINS[1] * period:
@@ -213,7 +214,7 @@ def at_place(spline: Spline, share: float, lead: float | None = None) -> tuple[D
     """The way of least use of the limits, the feed among them, to a fixed place: as it is found, or after a look."""
     lead = spline.lead if lead is None else lead
     tight = np.ones(spline.problem.pieces)
-    for _ in range(LOOKS):
+    for _ in range(MOST_SOLUTIONS):
         spline = with_rows(spline, lead, (lead, lead), share, tight)
         found = passing(spline, share) if spline.used <= DETOUR else None
         if found is not None or spline.used > DETOUR or spline.problem.machine is None:
@@ -287,7 +288,7 @@ def too_fast(spline: Spline, detour: Detour, share: float) -> Floats:
     """(n,) speed of the tip over what is allowed at the looks along a detour."""
     machine = spline.problem.machine
     assert machine is not None
-    t, ratio = feed_used_at_looks(detour, machine)
+    t, ratio = sampled_feed_use(detour, machine)
     if ratio.max() <= DETOUR:
         return ratio
     _, until, _ = allowed_speed(spline.problem, detour, share)

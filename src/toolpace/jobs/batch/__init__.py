@@ -22,8 +22,7 @@ from toolpace.common.cluster import Outcome, Pool, open_pool
 from toolpace.common.errors import ClusterError, ToolpaceError, UsageError, printable
 from toolpace.common.files import finished
 from toolpace.jobs.batch.folder import batch_folder, write_tables
-from toolpace.jobs.batch.job import ERROR, WAITING, BatchJob, BatchRow, waiting
-from toolpace.jobs.batch.prepared_job import Loader, Prepared
+from toolpace.jobs.batch.job import ERROR, WAITING, BatchJob, BatchRow, Loader, Prepared, waiting
 from toolpace.jobs.batch.work import Place, do_job, done_before, failed
 
 if TYPE_CHECKING:

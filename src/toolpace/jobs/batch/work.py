@@ -14,8 +14,7 @@ import msgspec
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import changed, whole_folder
 from toolpace.jobs import TimedSteps
-from toolpace.jobs.batch.job import ERROR, BatchRow, waiting
-from toolpace.jobs.batch.prepared_job import Prepared
+from toolpace.jobs.batch.job import ERROR, BatchRow, Prepared, waiting
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.write import PLAN, PlanRecord, read_plan
 

@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
-from toolpace.kernels.controls.jerk_ramp import (
+from toolpace.kernels.jerk_ramp import (
     peak_speed,
     ramp_distance,
     ramp_time,

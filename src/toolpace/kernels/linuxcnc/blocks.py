@@ -28,23 +28,23 @@ SIDEWAYS = 0.75**0.5
 (
     BLOCK, KIND, ENDING, RAPID, TURNS, LENGTH, NOMINAL, DONE, REQUESTED, TOP, ACCELERATION, TANGENT_SHARE, TOLERANCE,
     SPEED, FINAL, KINK, KINK_AFTER, KINK_BEFORE, OVERLAPS, FIXED, PEAK, PERIOD, SPLIT, LEAVING, GONE, STARTED, RAMPED,
-    SLOWING, OVERLAPPING, RADIUS, SWEEP,
-) = range(31)  # fmt: skip
+    SLOWING, OVERLAPPING, RADIUS, SWEEP, JERK,
+) = range(32)  # fmt: skip
 """Columns of the table of segments: block it is of, kind, ending, whether it is a rapid, whether rotary axes move;
 length, length before roundings, way done; requested speed, most speed, acceleration, its share along an arc;
 tolerance; speed, planned final speed; most speed at a kink with the next, shares of acceleration that kinks behind and
 before take; whether the one before overlaps it, whether its length is final, whether its end is a peak of the plan;
 period of its cycle, whether the next cycle ends it, its speed then, whether it is done; whether it was begun, is
-ramped, is on its last slowing down, is overlapping the next; radius and sweep of an arc."""
-COLUMNS = 31
+ramped, is on its last slowing down, is overlapping the next; radius and sweep of an arc; jerk along it."""
+COLUMNS = 32
 
 
 OF_KIND, OF_RAPID, OF_TURNS, OF_LENGTH, OF_REQUESTED, OF_TOP, OF_ACCELERATION, OF_RADIUS, OF_SWEEP = range(9)
-OF_ENDING, OF_TOLERANCE, OF_WAIT = range(9, 12)
+OF_ENDING, OF_TOLERANCE, OF_WAIT, OF_JERK = range(9, 13)
 """Columns of figures of blocks: LINE or ARC, whether it is a rapid, whether rotary axes move (2: they alone); length
 [mm, or deg where X, Y, Z stand]; requested speed, within the axes' limits; most speed by them; acceleration; radius and
 sweep of an arc; OVERLAPPED, EXACT or REST, by the mode in force; tolerance of blending [mm], 0: none; how long it waits
-at rest behind the block [s], below zero: it goes on."""
+at rest behind the block [s], below zero: it goes on; jerk along it."""
 BEGIN, END, CORNER, CENTRE, NORMAL, RISE = range(6)
 """Vectors of blocks: unit directions of X, Y, Z at start and end, zero where they stand; place of the start [mm]; of an
 arc its centre, the normal about which it turns, and its rise."""
@@ -58,7 +58,7 @@ class Blocks(NamedTuple):
     """n blocks as the interpreter hands them on."""
 
     figures: Floats
-    """(n, 12)"""
+    """(n, 13)"""
     vectors: Floats
     """(n, 6, 3)"""
 
@@ -84,6 +84,10 @@ class Control(NamedTuple):
     """ARC_BLEND_GAP_CYCLES: a line that is left with fewer cycles becomes part of the rounding behind it."""
     ramp_frequency: float
     """ARC_BLEND_RAMP_FREQ [Hz]: shorter segments are ramped from speed to speed."""
+    jerk: float
+    """MAX_LINEAR_JERK [mm/s^3]; 0: the planner that keeps no jerk (PLANNER_TYPE = 0)."""
+    peak_scale: float
+    """SCURVE_PEAK_SCALE: share of the speed that a segment reaches from rest to rest, for the speeds at its ends."""
 
 
 @jit()

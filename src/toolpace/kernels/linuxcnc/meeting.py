@@ -21,6 +21,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     ENDING,
     EXACT,
     FIXED,
+    JERK,
     KIND,
     KINK,
     KINK_AFTER,
@@ -50,6 +51,13 @@ from toolpace.kernels.linuxcnc.blocks import (
     of_block,
     unit,
 )
+from toolpace.kernels.linuxcnc.limited_jerk import (
+    arc_speed,
+    speed_after,
+    speed_from_rest,
+    speed_near,
+    time_to_rest,
+)
 from toolpace.kernels.linuxcnc.rounding import Rounding, no_rounding, round_corner
 
 SHARP = (math.pi * 2.0 / 180.0) ** 2
@@ -73,7 +81,10 @@ def meet(b: Blocks, q: Floats, k: int, new: int, control: Control) -> tuple[bool
             left = rounding.first if q[k, KIND] == LINE else 1.0
             taken = q[k, KIND] == LINE and not q[k, OVERLAPS] and left < control.gap * control.cycle * rounding.speed
             length = rounding.radius * rounding.angle + (left if taken else 0.0)
-            if choose(b, q, k, new, min(rounding.speed, length / control.cycle), control):
+            speed = min(rounding.speed, length / control.cycle)
+            if control.jerk > 0.0:
+                speed = min(speed, arc_speed(rounding.acceleration, rounding.radius, rounding.angle, control))
+            if choose(b, q, k, new, speed, control):
                 shorten(q, k, rounding.first)
                 shorten(q, new, rounding.second)
                 end_with(q, k, new, TANGENT)
@@ -127,7 +138,7 @@ def choose(b: Blocks, q: Floats, k: int, new: int, rounding: float, control: Con
     goal = most_speed(q, k, control, control.override)
     goal_new = most_speed(q, new, control, control.override)
     # an overlap slows its neighbours down as well: half its speed is what it is worth
-    overlap = 0.5 * overlap_speeds(b, q, k, new, goal, goal_new)[2]
+    overlap = 0.5 * overlap_speeds(b, q, k, new, goal, goal_new, control)[2]
     kink = q[k, KINK]
     if rounding > overlap and rounding > kink:
         straighten(q, k, new)
@@ -147,26 +158,30 @@ def straighten(q: Floats, k: int, new: int) -> None:
 
 
 @jit()
-def overlap_speeds(b: Blocks, q: Floats, k: int, new: int, goal: float, goal_new: float) -> tuple[float, float, float]:
+def overlap_speeds(
+    b: Blocks, q: Floats, k: int, new: int, goal: float, goal_new: float, control: Control
+) -> tuple[float, float, float]:
     """Speeds at which both overlap at most, and the speed through the corner."""
     a, a_new = acceleration_of(q, k), acceleration_of(q, new)
-    v, v_new = min(peak_speed(q, k, a), goal), min(peak_speed(q, new, a_new), goal_new)
+    v, v_new = min(peak_speed(q, k, a, control), goal), min(peak_speed(q, new, a_new, control), goal_new)
     longest = min(q[k, LENGTH] / v, q[new, LENGTH] / v_new)
-    time = min(longest, max(v / a, v_new / a_new))
-    v, v_new = min(v, time * a), min(v_new, time * a_new)
+    time = min(longest, max(time_to_rest(v, a, control), time_to_rest(v_new, a_new, control)))
+    v = min(v, speed_after(time, a, q[k, JERK], control))
+    v_new = min(v_new, speed_after(time, a_new, q[k, JERK], control))
     j, j_new = int(q[k, BLOCK]), int(q[new, BLOCK])
     turn = dot(of_block(b, j, END), start_of(b, q, new, j_new))
     theta = 0.5 * math.acos(max(-1.0, min(1.0, -turn)))
     if q[k, TOLERANCE] > 0.0 and math.cos(theta) > math.sin(LEAST_ANGLE):
-        near = 2.0 * math.sqrt(a * q[k, TOLERANCE] / math.cos(theta))
+        near = speed_near(2.0 * q[k, TOLERANCE] / math.cos(theta), a, q[k, JERK], control)
         v, v_new = min(v, near), min(v_new, near)
     return v, v_new, math.sin(theta) * 0.5 * (v + v_new)
 
 
 @jit(inline=True)
-def peak_speed(q: Floats, k: int, acceleration: float) -> float:
+def peak_speed(q: Floats, k: int, acceleration: float, control: Control) -> float:
     """Of a segment from rest to rest; half of it may still be cut where its length is not final."""
-    return math.sqrt(acceleration * q[k, LENGTH] * (1.0 if q[k, FIXED] else 0.5))
+    left = q[k, LENGTH] * (1.0 if q[k, FIXED] else 0.5)
+    return speed_from_rest(acceleration, control.jerk, left, control)
 
 
 @jit(inline=True)

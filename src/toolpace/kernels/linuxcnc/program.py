@@ -153,7 +153,7 @@ def overlapping(b: Blocks, q: Floats, k: int, after: int, control: Control) -> b
         return False
     if not q[k, OVERLAPPING] and q[k, SLOWING]:
         goal, goal_after = most_speed(q, k, control, 1.0), most_speed(q, after, control, 1.0)
-        if q[k, SPEED] < overlap_speeds(b, q, k, after, goal, goal_after)[0]:
+        if q[k, SPEED] < overlap_speeds(b, q, k, after, goal, goal_after, control)[0]:
             q[k, OVERLAPPING] = 1.0
     return bool(q[k, OVERLAPPING] != 0.0)
 

@@ -15,6 +15,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     ENDING,
     FINAL,
     FIXED,
+    JERK,
     KIND,
     KINK,
     KINK_AFTER,
@@ -23,6 +24,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     NOMINAL,
     OF_ACCELERATION,
     OF_ENDING,
+    OF_JERK,
     OF_KIND,
     OF_LENGTH,
     OF_RADIUS,
@@ -60,6 +62,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     most_speed,
     of_block,
 )
+from toolpace.kernels.linuxcnc.limited_jerk import arc_speed, speed_at_start, speed_from_rest
 from toolpace.kernels.linuxcnc.meeting import meet
 
 SHORTEST = 1.02
@@ -86,13 +89,15 @@ def put(b: Blocks, j: int, q: Floats, head: int, tail: int, control: Control) ->
             new = tail + 1
             copy(q, tail, new)
             fix(q, k, control)
-        block, rapid, rest = q[k, BLOCK], q[k, RAPID], rounding.first
+        block, rapid, rest, jerk = q[k, BLOCK], q[k, RAPID], rounding.first, q[k, JERK]
         clear(q, at)
         q[at, BLOCK], q[at, RAPID], q[at, KIND], q[at, ENDING] = block, rapid, ROUNDING, TANGENT
         q[at, LENGTH] = rounding.radius * rounding.angle + (rest if taken else 0.0)
         q[at, NOMINAL], q[at, TOP], q[at, REQUESTED] = q[at, LENGTH], rounding.speed, rounding.requested
         q[at, ACCELERATION], q[at, TANGENT_SHARE] = rounding.acceleration, TANGENTIAL
         q[at, KINK], q[at, PERIOD] = -1.0, control.cycle
+        q[at, RADIUS], q[at, SWEEP] = rounding.radius, rounding.angle
+        q[at, JERK] = min(q[k, JERK], q[new, JERK]) if not taken else min(jerk, q[new, JERK])
         fix(q, at, control)
     else:
         fix(q, k, control)
@@ -112,13 +117,15 @@ def begin(b: Blocks, j: int, q: Floats, new: int, control: Control) -> None:
     q[new, ACCELERATION] = b.figures[j, OF_ACCELERATION]
     q[new, TANGENT_SHARE], q[new, TOLERANCE], q[new, KINK] = TANGENTIAL, b.figures[j, OF_TOLERANCE], -1.0
     q[new, PERIOD] = control.cycle
-    q[new, SWEEP] = b.figures[j, OF_SWEEP]
+    q[new, SWEEP], q[new, JERK] = b.figures[j, OF_SWEEP], b.figures[j, OF_JERK]
     q[new, TOP] = min(q[new, TOP], q[new, LENGTH] / control.cycle)
     if q[new, KIND] == ARC:
         # a helix counts as wider, by all of its rise
         radius, rise = b.figures[j, OF_RADIUS], of_block(b, j, RISE)
         q[new, RADIUS] = radius + dot(rise, rise) / radius
         q[new, TOP] = min(q[new, TOP], math.sqrt(SIDEWAYS * q[new, ACCELERATION] * q[new, RADIUS]))
+        if control.jerk > 0.0:
+            bend(q, new, control)
 
 
 @jit()
@@ -136,13 +143,15 @@ def copy(q: Floats, k: int, to: int) -> None:
 
 
 @jit()
-def bend(q: Floats, k: int) -> None:
-    """Limit an arc's speed by its normal acceleration; what that leaves is for changes of speed."""
-    if q[k, KIND] != ARC:
+def bend(q: Floats, k: int, control: Control) -> None:
+    """Limit an arc's speed by its normal acceleration, and its jerk; what that leaves is for changes of speed."""
+    if q[k, KIND] != ARC and not (q[k, KIND] == ROUNDING and control.jerk > 0.0):
         return
     most = q[k, ACCELERATION] * (1.0 - max(q[k, KINK_AFTER], q[k, KINK_BEFORE]))
     if q[k, OVERLAPS] or q[k, ENDING] == OVERLAPPED:
         most *= 0.5
+    if control.jerk > 0.0:
+        q[k, TOP] = min(q[k, TOP], arc_speed(most, q[k, RADIUS], q[k, SWEEP], control))
     needed = q[k, TOP] ** 2 / q[k, RADIUS]
     q[k, TANGENT_SHARE] = TANGENTIAL
     if needed > SIDEWAYS * most:
@@ -157,7 +166,7 @@ def fix(q: Floats, k: int, control: Control) -> None:
     if q[k, FIXED]:
         return
     q[k, TOP] = min(q[k, TOP], q[k, LENGTH] / control.cycle)
-    bend(q, k)
+    bend(q, k, control)
     q[k, FIXED] = 1.0
 
 
@@ -182,8 +191,10 @@ def look_back(q: Floats, head: int, tail: int, control: Control) -> None:
             plan_end(q, k, s, control)
         else:
             # up to half of the last segment may still be cut: stop in the middle of it
-            half = math.sqrt(acceleration_of(q, s) * q[s, LENGTH])
+            half = speed_from_rest(acceleration_of(q, s), q[s, JERK], q[s, LENGTH], control)
             q[k, FINAL] = min(q[k, TOP], min(half, most_speed(q, s, control, control.override)))
+            if control.jerk > 0.0 and q[k, KINK] >= 0.0:
+                q[k, FINAL] = min(q[k, FINAL], q[k, KINK])
             q[s, FINAL] = 0.0
         if q[s, PEAK]:
             peaks += 1
@@ -194,12 +205,14 @@ def look_back(q: Floats, head: int, tail: int, control: Control) -> None:
 @jit(inline=True)
 def plan_end(q: Floats, k: int, s: int, control: Control) -> None:
     """Most final speed of segment k from which the next, s, gets down to its own."""
-    speed = math.sqrt(q[s, FINAL] ** 2 + 2.0 * acceleration_of(q, s) * q[s, LENGTH])
+    speed = speed_at_start(q[s, FINAL], acceleration_of(q, s), q[s, JERK], q[s, LENGTH], control)
     most = min(q[s, TOP], q[k, TOP])
     if q[k, KINK] >= 0.0:
         most = min(most, q[k, KINK])
     if speed >= most:
         speed = most
         q[k, PEAK] = 1.0
+    if control.jerk > 0.0:
+        speed = min(speed, speed_from_rest(acceleration_of(q, k), q[k, JERK], q[k, LENGTH], control))
     q[k, FINAL] = speed
     q[s, TOP] = min(q[s, TOP], q[s, LENGTH] / (SHORTEST * control.cycle))

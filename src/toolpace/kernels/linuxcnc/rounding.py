@@ -41,6 +41,7 @@ from toolpace.kernels.linuxcnc.blocks import (
     on_circle,
     unit,
 )
+from toolpace.kernels.linuxcnc.limited_jerk import speed_from_rest
 
 SMALL_ARC = 1e-6
 """[mm]"""
@@ -137,10 +138,14 @@ def plan_of(
     goal = min(goal, planar)
     reach = min(min(first.reach, second.reach), math.cos(half) * tolerance / (1.0 - math.sin(half)))
     widest = math.tan(half) * reach
-    speed = min(math.sqrt(normal_most * widest), goal)
+    # at limited jerk: as fast as a way of the length of the radius is from rest to rest
+    sideways = speed_from_rest(normal_most, control.jerk, widest, control)
+    speed = min(sideways if control.jerk > 0.0 else math.sqrt(normal_most * widest), goal)
     # as much of the blocks as an overlap at half the acceleration would take
     time = min(math.sqrt(most * reach), speed) / (0.5 * most)
     radius = max(speed * speed / normal_most, min(time * speed / phi, widest))
+    if control.jerk > 0.0:
+        radius = max(radius, speed * math.sqrt(speed / control.jerk))
     if radius < 1e-12 or radius * phi < SMALL_ARC:
         return False, no_rounding()
     return True, Rounding(speed, requested, most, radius, phi, 0.0, 0.0)

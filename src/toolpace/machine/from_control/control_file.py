@@ -11,6 +11,8 @@ from toolpace.common.files.atomic import reason
 
 LARGEST = 32_000_000
 """Most bytes of a file: archives of a whole control have a few million."""
+MOST_LINES = 500_000
+"""Of a file: those archives have some ten thousand."""
 LONGEST_LINE = 2000
 """Most characters of a line that is read."""
 SHOWN = 60
@@ -41,8 +43,11 @@ class ControlFile:
 
     @cached_property
     def lines(self) -> tuple[str, ...]:
-        """Its lines, without their ends; of each the first LONGEST_LINE characters."""
-        return tuple(line[:LONGEST_LINE] for line in self.text.splitlines())
+        """Its lines, without their ends; of each the first LONGEST_LINE characters.
+
+        LF CR CR is one end, with which Fanuc controls punch a block.
+        """
+        return tuple(line[:LONGEST_LINE] for line in self.text.replace("\n\r\r", "\n").splitlines())
 
 
 def load(path: Path, shown: str = "") -> ControlFile:
@@ -62,6 +67,8 @@ def load(path: Path, shown: str = "") -> ControlFile:
         raise ControlFileError(f"has more than {LARGEST // 10**6} MB; give the control's files alone", file=name)
     if b"\0" in data:
         raise ControlFileError("is not text; save it as text on the control (an archive in ASCII)", file=name)
+    if data.count(b"\n") > MOST_LINES:
+        raise ControlFileError(f"has more than {MOST_LINES} lines; give the control's files alone", file=name)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -1,4 +1,4 @@
-"""A machine file from a record: TOML text in which each figure says where it is from."""
+"""A machine file and a controller file from a record: TOML text in which each figure says where it is from."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from toolpace.machine.from_control.readers import read_record
 from toolpace.machine.from_control.record import Figure, MachineRecord, Value
 from toolpace.machine.from_control.stand_ins import Answers, Question, complete
 from toolpace.machine.machine import Machine
+from toolpace.machine.plausibility import LONGEST_NAME
 
 CHAIN = ("workpiece", "workpiece_origin", "workpiece_x", "workpiece_z", "tool", "spindle_nose", "tool_axis",
          "tool_length")  # fmt: skip
@@ -33,6 +34,8 @@ class MachineDraft:
     machine: Machine
     stand_ins: tuple[Question, ...]
     """What was taken for what the files lack."""
+    controller: str
+    """Text of the controller file; empty where the files tell no figures of how the control moves."""
 
 
 def read_control(paths: Sequence[str | Path], answers: Answers | None = None) -> MachineDraft:
@@ -48,13 +51,33 @@ def read_control(paths: Sequence[str | Path], answers: Answers | None = None) ->
     both = zip(machine.geometry.rotary_joints, machine.geometry.leanings)
     leanings = {name: words for name, words in both if name not in record.held}
     text = machine_text(record, answers.taken, leanings)
-    return MachineDraft(record, text, machine, tuple(answers.taken))
+    return MachineDraft(record, text, machine, tuple(answers.taken), controller_text(record))
 
 
 def machine_text(record: MachineRecord, stand_ins: Sequence[Question], leanings: Mapping[str, str]) -> str:
     """The text of a machine file; `leanings` says by joint what 30 degrees of it do to the tool axis."""
     shown = record.named(_short_names(record.files))
     return "\n".join([*_heading(shown, stand_ins), *_tables(shown, leanings)]) + "\n"
+
+
+def controller_text(record: MachineRecord) -> str:
+    """The text of a controller file with the figures of a control; empty where there are none."""
+    if not record.timing:
+        return ""
+    shown = record.named(_short_names(record.files))
+    lines = [
+        f"# From the files of a {record.control} control: {', '.join(map(printable, record.files))}.",
+        f"name = {toml_value(f'{record.name} control'[:LONGEST_NAME])}",
+        f"like = {toml_value(record.controller)}",
+    ]
+    table = ""
+    for key, figure in sorted(shown.timing.items(), key=lambda item: item[0].rpartition(".")[0]):
+        *of_model, name = key.split(".")
+        if (heading := ".".join(["time", *of_model])) != table:
+            lines += ["", f"[{heading}]"]
+            table = heading
+        lines.append(_line(name, figure))
+    return "\n".join(lines) + "\n"
 
 
 def _short_names(files: Sequence[str]) -> dict[str, str]:

@@ -6,8 +6,11 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.fanuc import reader as fanuc
+from toolpace.machine.from_control.heidenhain import reader as heidenhain
 from toolpace.machine.from_control.linuxcnc import reader as linuxcnc
 from toolpace.machine.from_control.record import MachineRecord
+from toolpace.machine.from_control.sinumerik import reader as sinumerik
 from toolpace.machine.from_control.stand_ins import Answers
 
 
@@ -31,7 +34,7 @@ class Reader(Protocol):
         ...
 
 
-READERS: tuple[Reader, ...] = (linuxcnc,)
+READERS: tuple[Reader, ...] = (linuxcnc, sinumerik, fanuc, heidenhain)
 
 
 def read_record(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:

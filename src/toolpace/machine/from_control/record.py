@@ -44,9 +44,31 @@ class Figure:
         return float(self.value)
 
     @property
+    def vector(self) -> tuple[float, float, float]:
+        """Of a figure that is a vector."""
+        assert isinstance(self.value, tuple)
+        x, y, z = map(float, self.value)
+        return x, y, z
+
+    @property
+    def words(self) -> str:
+        """The value for people, numbers in six digits."""
+        values = self.value if isinstance(self.value, tuple) else (self.value,)
+        return ", ".join(f"{each:g}" if isinstance(each, float) else str(each) for each in values)
+
+    @property
     def origin(self) -> str:
-        """Where it is from, in words."""
-        return " and ".join(dict.fromkeys(map(str, self.origins)))
+        """Where it is from, in words; figures of one line are named together: `axes.txt:7 N01320 A1, A2`."""
+        places: dict[str, str] = {}
+        for each in dict.fromkeys(self.origins):
+            place = f"{each.file}:{each.line}" if each.file else each.name
+            first, _, last = each.name.rpartition(" ")
+            if place not in places:
+                places[place] = str(each)
+            else:
+                known = first and f"{first} " in places[place]
+                places[place] += f", {last if known else each.name}"
+        return " and ".join(places.values())
 
     def named(self, names: Mapping[str, str]) -> Figure:
         """The figure with other names of the files that it is from."""
@@ -75,6 +97,10 @@ class MachineRecord:
     """By axis letter: the joint's position at which the control displays zero, for the set-up sheet."""
     control_figures: dict[str, Figure] = field(default_factory=dict)
     """What the control limits beside the joints, as the path's velocity; by a name with its unit."""
+    controller: str = ""
+    """The built-in controller that its controller file is `like`; empty where there is none."""
+    timing: dict[str, Figure] = field(default_factory=dict)
+    """Keys of the table [time] of its controller file, as `tolerance` and `sinumerik.overload` (docs/commands.md)."""
     held: list[str] = field(default_factory=list)
     """Turning joints that the machine does not have: at rest, since every machine here has two."""
     remarks: list[str] = field(default_factory=list)
@@ -94,7 +120,14 @@ class MachineRecord:
             joints={joint: each(figures) for joint, figures in self.joints.items()},
             machine_zero=each(self.machine_zero),
             control_figures=each(self.control_figures),
+            timing=each(self.timing),
         )
+
+
+def moved(point: Figure, vector: Figure, factor: float = 1.0) -> Figure:
+    """A point (3,) moved by a multiple of a vector (3,)."""
+    parts = tuple(one + factor * two + 0.0 for one, two in zip(point.vector, vector.vector))
+    return Figure(parts, point.origins + vector.origins)
 
 
 def travel(low: Figure, high: Figure) -> Figure:

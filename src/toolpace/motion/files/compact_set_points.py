@@ -22,34 +22,48 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
-from toolpace.common.files.binary import read_binary
+from toolpace.common.files.atomic import read_binary
 from toolpace.common.workers import Workers
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.set_point_prediction import KINDS, jets_of, residuals
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 MAGIC = b"toolpace set-points 1\n"
-ROWS = 1 << 15
-"""Rows of a block: what is worked on at once fits into the cache of a core."""
 LONGEST_HEAD = 1 << 16
 """Most bytes of the line of JSON."""
-AT_ONCE = 64
-"""Blocks that are packed before they are written."""
+
+
+class CompactWriter:
+    """Packs set-points of a machine block by block, in any order and in any thread, and writes them when all are
+    there: exactly, but for the sign of zeros."""
+
+    def __init__(self, source: SetPointSource, machine: Machine) -> None:
+        """Take where they are from, and the machine that they will be read for."""
+        self.head, self.machine = Head.of(source), machine
+        self._packed: dict[int, bytes] = {}
+
+    def take(self, block: Block) -> None:
+        """Pack a block of `ROWS` rows, or the last one."""
+        self._packed[block.begin] = _packed_block(block.points, self.machine, self.head, block.begin)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the file, whole or not at all. Raises UsageError."""
+        with whole_file(path) as temporary, temporary.open("wb") as stream:
+            stream.write(MAGIC + msgspec.json.encode(self.head) + b"\n")
+            for begin in range(0, self.head.rows, ROWS):
+                data = self._packed[begin]
+                stream.write(len(data).to_bytes(4, "little") + data)
 
 
 def write_compact(path: str | os.PathLike[str], points: SetPoints, machine: Machine) -> None:
     """Write set-points of a machine, whole or not at all: exactly, but for the sign of zeros. Raises UsageError."""
-    head, workers = Head.of(points), Workers()
-    starts = range(0, len(points), ROWS)
-    with whole_file(path) as temporary, temporary.open("wb") as stream:
-        stream.write(MAGIC + msgspec.json.encode(head) + b"\n")
-        for first in range(0, len(starts), AT_ONCE):
-            pieces = starts[first : first + AT_ONCE]
-            for data in workers.each(lambda start: _packed_block(points, machine, head, start), pieces):
-                stream.write(len(data).to_bytes(4, "little") + data)
+    writer = CompactWriter(points, machine)
+    each_block(points, (writer.take,))
+    writer.write(path)
 
 
 def read_compact(path: str | os.PathLike[str], machine: Machine) -> SetPoints:
@@ -89,10 +103,11 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Whether lengths of tools are there."""
 
     @classmethod
-    def of(cls, points: SetPoints) -> Head:
+    def of(cls, source: SetPointSource) -> Head:
         """That of set-points."""
-        dt = float(points.t[1] - points.t[0]) if len(points) > 1 else 0.0
-        return cls(points.joints, dt, len(points), points.has_tool, len(points.tool_length) > 0)
+        first = source.rows(0, min(len(source), 2))
+        dt = float(first.t[1] - first.t[0]) if len(first) > 1 else 0.0
+        return cls(source.joints, dt, len(source), source.has_tool, len(first.tool_length) > 0)
 
     @property
     def columns(self) -> int:
@@ -137,22 +152,21 @@ def _block_places(stream: BinaryIO, head: Head) -> list[tuple[int, int]]:
     return places
 
 
-def _packed_block(points: SetPoints, machine: Machine, head: Head, start: int) -> bytes:
-    """The block of set-points from one on."""
-    rows = slice(start, min(start + ROWS, len(points)))
-    left, exponents = [bits_of(points.t[rows]) - bits_of(_times(head.dt, rows))], []
+def _packed_block(points: SetPoints, machine: Machine, head: Head, begin: int) -> bytes:
+    """A block of set-points whose first is that of row `begin`."""
+    left, exponents = [bits_of(points.t) - bits_of(_times(head.dt, slice(begin, begin + len(points))))], []
     for j in range(len(points.joints)):
-        jets = np.stack([each[rows, j] for each in (points.q, points.qd, points.qdd, points.qddd)])
+        jets = np.stack([each[:, j] for each in (points.q, points.qd, points.qdd, points.qddd)])
         of_joint, grids = residuals(jets, head.dt)
         left += of_joint
         exponents += grids
-    left.append(np.diff(points.block[rows], prepend=np.int64(0)))
-    lengths = points.tool_length[rows] if head.tool_length else None
+    left.append(np.diff(points.block, prepend=np.int64(0)))
+    lengths = points.tool_length if head.tool_length else None
     if lengths is not None:
         left.append(np.diff(bits_of(lengths), prepend=np.int64(0)))
     if head.tool:
-        for column, kinematics in zip((points.tip, points.axis), machine.forward(points.q[rows], lengths)):
-            left += [bits_of(column[rows, k]) - bits_of(kinematics[:, k]) for k in range(3)]
+        for column, kinematics in zip((points.tip, points.axis), machine.forward(points.q, lengths)):
+            left += [bits_of(column[:, k]) - bits_of(kinematics[:, k]) for k in range(3)]
     return pack(left, exponents)
 
 

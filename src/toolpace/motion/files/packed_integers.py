@@ -1,6 +1,6 @@
 """Doubles as whole numbers on a grid, and columns of small whole numbers packed into few bytes.
 
-Numbers of a motion are multiples of a power of two (motion/set_point_grid.py), so that they are whole numbers beside an
+Numbers of a motion are multiples of a power of two (motion/sampling.py), so that they are whole numbers beside an
 exponent. What is left of these by a good prediction is small. It is packed as
 
     exponents and widths -- bytes of all numbers, the lowest of each first, then the next ... -- zlib, runs only

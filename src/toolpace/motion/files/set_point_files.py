@@ -8,7 +8,7 @@ from pathlib import Path
 
 from toolpace.common.errors import UsageError
 from toolpace.machine.machine import Machine
-from toolpace.motion.files.compact_set_points import read_compact, write_compact
+from toolpace.motion.files.compact_set_points import read_compact
 from toolpace.motion.setpoints import SetPoints
 
 FULL_FILE, COMPACT_FILE, MACHINE = "setpoints.npz", "setpoints.compact", "machine.toml"
@@ -51,14 +51,6 @@ def size_of(form: str, count: float, joints: int) -> float:
 def file_of(form: str) -> str:
     """Name of the file of "full" or "compact"; empty of "no"."""
     return {"full": FULL_FILE, "compact": COMPACT_FILE, "no": ""}[form]
-
-
-def write_set_points(folder: Path, points: SetPoints, machine: Machine, form: str) -> None:
-    """Write the file, whole or not at all, and none for "no". Raises UsageError."""
-    if form == "full":
-        points.save(folder / FULL_FILE)
-    elif form == "compact":
-        write_compact(folder / COMPACT_FILE, points, machine)
 
 
 def set_points_file(folder: Path) -> str:

@@ -1,10 +1,11 @@
 """trajectory.compact: path and speed laws of a planned program, to the bit.
 
-    "toolpace trajectory 1" -- a line of JSON: of each run its law's kind, and how long its arrays are -- the arrays
+    "toolpace trajectory 2" -- a line of JSON: of each run its law's kind, and how long its arrays are -- the arrays
 
 Each array holds that of all runs, one after the other, as a packed column (packed_integers.py) behind its length in
 bytes; coefficients of the path's pieces are packed by packed_splines.py. Set-points are a sampling of this; what it
-tells is the plan itself, at any time.
+tells is the plan itself, at any time. How far the fit found the path off its program is not in it: that is measured,
+not kept.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Ints
 from toolpace.common.files import whole_file
-from toolpace.common.files.binary import read_binary
+from toolpace.common.files.atomic import read_binary
 from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
 from toolpace.motion.files.packed_splines import left_of_splines, splines_of
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 TRAJECTORY = "trajectory.compact"
 """Its name in the folder of a plan."""
-MAGIC = b"toolpace trajectory 1\n"
+MAGIC = b"toolpace trajectory 2\n"
 LONGEST_HEAD = 1 << 24
 """Most bytes of the line of JSON: a run takes some hundred."""
 MOST_NUMBERS = 1 << 28
@@ -46,7 +47,7 @@ LAWS: dict[str, tuple[type[TimeLaw], tuple[str, ...]]] = {
     "quintic": (QuinticLaw, ("s", "speed", "acceleration", "periods")),
 }
 """Kinds of laws, and what each is made of."""
-OF_PATH = ("breaks", "block_start", "feed", "least_time", "tip_off", "axis_off", "block", "entry")
+OF_PATH = ("breaks", "block_start", "feed", "least_time", "block", "entry")
 OF_BRANCH = ("s", "first", "second")
 WHOLE = ("block", "entry")
 """Arrays of whole numbers."""
@@ -184,8 +185,7 @@ def _lengths(head: Head) -> dict[str, list[int]]:
 def _refuse_other_lengths(run: RunHead) -> None:
     """Raise DamagedError where arrays do not go together: compiled code would read beyond them."""
     pieces, blocks = run.path[0] - 1, run.path[1] - 1
-    right = run.path[2:4] == (blocks, blocks) and run.path[6] == blocks and run.path[7] in (0, blocks)
-    right &= run.path[4] == run.path[5] and run.path[4] in (0, pieces) and min(pieces, blocks) > 0
+    right = run.path[2:5] == (blocks, blocks, blocks) and run.path[5] in (0, blocks) and min(pieces, blocks) > 0
     right &= not run.branch or (run.branch[0] > 1 and len(set(run.branch)) == 1)
     first = run.of_law[0]
     others = {"spline": (first + 2, 2), "linear": (first,), "quintic": (first, first, first - 1)}[run.law]

@@ -22,12 +22,10 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
-from toolpace.path.fit.deviation import PARTS, Comparison
-from toolpace.path.fit.first_spline import first_breaks, inside_spline, refined_at
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
-from toolpace.path.fit.smoothest_spline import tighten
+from toolpace.path.fit.smoothest_spline import first_breaks, inside_spline, refined_at, tighten
 from toolpace.path.fit.speed_weights import SpeedWeights
-from toolpace.path.fit.spline import Samples, Spline, sample
+from toolpace.path.fit.spline import PARTS, Comparison, Samples, Spline, sample
 from toolpace.path.run import SplineRun
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath

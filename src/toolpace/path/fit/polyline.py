@@ -21,7 +21,7 @@ LEAST_CELL = 1e-7
 """Shorter cells count as repeated points [tolerances]."""
 POLE_LEVER = 0.03
 """Sine of the angle to a pole below which a turn about it counts as if there [1]."""
-ROUNDS = 8
+MOST_ITERATIONS = 8
 """Times that points are put in, at most."""
 STILL = 0.01
 """Turns of the tool axis below it are not divided [tolerances]."""
@@ -192,7 +192,7 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
     if machine is None:
         return toolpath, entry
     rotary = decided(machine, toolpath, axis_tolerance)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ITERATIONS):
         between = toolpath.axis[1:] + toolpath.axis[:-1]
         between /= np.linalg.norm(between, axis=1)[:, None]
         error = np.linalg.norm(machine.axis_at(0.5 * (rotary[1:] + rotary[:-1])) - between, axis=1)
@@ -213,7 +213,7 @@ def with_rotary(toolpath: ToolPath, machine: Machine, rotary: Floats) -> ToolPat
 def decided(machine: Machine, toolpath: ToolPath, axis_tolerance: float) -> Floats:
     """Rotary joints (n, 2) along a tool path: chosen with points put in where a joint could turn far between two."""
     dense, at = toolpath, np.arange(len(toolpath))
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ITERATIONS):
         moves = np.linalg.norm(np.diff(dense.axis, axis=0), axis=1) > STILL * axis_tolerance
         count = np.where(moves & (machine.turn_between(dense.axis) > SOUND_TURN), 4, 1)
         if np.all(count == 1):

@@ -22,7 +22,7 @@ from toolpace.common.errors import UsageError
 
 ACCELERATION = 8.0
 """What acceleration counts beside jerk, both over their limits: a wide tube is left to it, a narrow one to jerk."""
-PLACES = np.array([-1.0, 0.0, 1.0]) / np.sqrt(3.0)
+GAUSS_POINTS = np.array([-1.0, 0.0, 1.0]) / np.sqrt(3.0)
 """Of the rows in a cell, from -1 to 1."""
 WEIGHTS = np.array([0.5, 1.0, 0.5])
 """Of their squares, in cell lengths."""
@@ -72,7 +72,7 @@ class SpeedWeights:
             raise UsageError("speed weights: breaks must ascend, and be two at least")
         unit = number(unit, "speed weights: unit", least=0.0, above=True, unit="m")
         h = np.diff(breaks)
-        inside = 0.5 * h[:, None] * (1.0 + PLACES)
+        inside = 0.5 * h[:, None] * (1.0 + GAUSS_POINTS)
         at = unit * (breaks[:-1, None] + inside)
         # in units of the highest pace, and of the time in which it passes one unit of length
         top = self.pace[0].max()

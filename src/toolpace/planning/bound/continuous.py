@@ -19,7 +19,7 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
-from toolpace.path.basis_splines import spline_values
+from toolpace.path.fit.spline import spline_values
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed

@@ -147,7 +147,11 @@ def mend_one(
     piece = meshed.problem(part.low, part.high).raised(give)
     taper = part.first - part.low, part.high - part.last
     mended = solve(piece, slower(piece, mine, loss, taper) if loss else mine, spread, once, idle)
-    if least > 0.0 and (mended < least * mine).any():
+    fallen = (least > 0.0) & (mended < least * mine)
+    if not once:
+        # ends so far away are met: a fall nearer to the place itself is what the limits there ask for
+        fallen[taper[0] // 2 : len(fallen) - taper[1] // 2] = False
+    if fallen.any():
         # the ends cannot be met within the limits: what the nodes show of it is a fall between them
         raise Stalled(float(piece.nodes[int(np.argmin(mended / mine).clip(0, len(piece.nodes) - 1))]), "some limit")
     first = 0 if piece.end[0] == newton.REST else 2

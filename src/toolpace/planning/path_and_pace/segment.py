@@ -25,9 +25,8 @@ from toolpace.kernels import path_and_pace as kernel
 from toolpace.machine import kinematics
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
-from toolpace.path.basis_splines import cells_of, nonzero_basis
 from toolpace.path.fit.polyline import Polyline
-from toolpace.path.fit.spline import turn_metric
+from toolpace.path.fit.spline import cells_of, nonzero_basis, turn_metric
 from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
 

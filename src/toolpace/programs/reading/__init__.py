@@ -11,7 +11,7 @@ from pathlib import Path
 from toolpace.common.errors import UsageError
 from toolpace.programs.commanded import Commanded
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.controllers.doubt import doubts
+from toolpace.programs.reading.controllers.recognise import doubts
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds

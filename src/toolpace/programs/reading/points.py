@@ -170,7 +170,7 @@ def unit_axes(source: Source, axis: Floats, block: Ints) -> Floats:
     return np.asarray(axis / length[:, None])
 
 
-def told_lengths(lengths: Floats, machine: Kinematics | None) -> Floats | None:
+def programmed_lengths(lengths: Floats, machine: Kinematics | None) -> Floats | None:
     """Lengths (n,) of tools [m] as a tool path tells them; None where all are as long as the machine's own, whatever
     that is, and without a machine, where nobody knows."""
     return None if machine is None or (lengths == float(machine.tool_length)).all() else lengths
@@ -208,7 +208,7 @@ class ToolLengths:
                 "machine its length is not known: list it there, or give the machine",
                 int(line[at]),
             )
-        return lengths[operation] if self.machine is None else told_lengths(lengths[operation], self.machine)
+        return lengths[operation] if self.machine is None else programmed_lengths(lengths[operation], self.machine)
 
     def _of(self, tool: str) -> float:
         """Length of a tool [m]; nan where nothing tells it."""

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPointSource
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.report.charts import Curves
     from toolpace.results.report.key_figures import PlanFigures
 
 __all__ = ["follow_report", "limit_shares", "report", "write_report"]
@@ -53,14 +54,16 @@ def report(
 def write_report(
     path: str | os.PathLike[str],
     trajectory: Trajectory,
-    setpoints: SetPoints,
+    setpoints: SetPointSource,
     toolpath: ToolPath | None = None,
     verification: Verification | None = None,
     figures: PlanFigures | None = None,
+    curves: Curves | None = None,
 ) -> None:
     """Write the report from set-points that were sampled already; `figures` are those of plan.json, where there is
-    one."""
+    one, `curves` those of the set-points, where they have been gathered."""
     from toolpace.results.report.page import report_page
 
     with whole_file(path) as temporary:
-        temporary.write_text(report_page(trajectory, setpoints, toolpath, verification, figures), encoding="utf-8")
+        page = report_page(trajectory, setpoints, toolpath, verification, figures, curves)
+        temporary.write_text(page, encoding="utf-8")

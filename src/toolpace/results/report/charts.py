@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import dataclass
+import threading
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.toolpath import ToolPath
 
@@ -26,13 +28,17 @@ NOTHING = -1
 """Stands where nothing binds, in place of the number of a limit."""
 STATIONS = 24_000
 """Points of the tip's way: a browser turns so many in space without a jerk, and chords of them look like the curve."""
+COLUMNS = {"velocity": "qd", "acceleration": "qdd", "jerk": "qddd"}
+"""Where the values of a panel are from."""
+SPEED, CAP = "tip speed", "feed in the program"
+"""Names of the curves of what the tip does, and of what the program allows."""
 WHISKERS = 500
 """Tool axes drawn: more would hide the way of the tip."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One curve: what it is, and its values at the set-points."""
+    """One curve: what it is, and its values at the set-points, or the extremes of stretches of them."""
 
     name: str
     panel: str
@@ -44,6 +50,8 @@ class Channel:
     peak: float = 1.0
     """What 1 stands for, in the unit below."""
     unit: str = ""
+    top: float = 0.0
+    """The largest value that a stretch without one at some set-point hides."""
 
 
 def encoded(values: npt.NDArray[np.generic]) -> str:
@@ -55,7 +63,11 @@ def tip_speed(setpoints: SetPoints) -> Floats:
     """(n,) speed of the tip [m/s] by differences over one step each way."""
     if not setpoints.has_tool or len(setpoints) < 2:
         return np.zeros(0)
-    step = setpoints.tip_steps / np.diff(setpoints.t)
+    return _at_both_ends(setpoints.tip_steps / np.diff(setpoints.t))
+
+
+def _at_both_ends(step: Floats) -> Floats:
+    """(n,) the mean of the steps (n - 1,) beside each set-point."""
     speed: Floats = np.concatenate((step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]))
     return speed
 
@@ -76,33 +88,35 @@ def feed_cap(setpoints: SetPoints, toolpath: ToolPath) -> Floats:
     return found
 
 
-def channels(setpoints: SetPoints, limits: Limits, units: list[str], toolpath: ToolPath | None) -> list[Channel]:
-    """All curves: tip speed and cap, then each kind of each joint over its limit."""
-    found = []
-    if setpoints.has_tool:
-        found.append(Channel("tip speed", "feed", -1, tip_speed(setpoints) * 60e3, 1.0, "mm/min"))
-        if toolpath is not None:
-            cap = feed_cap(setpoints, toolpath) * 60e3
-            if np.isfinite(cap).any():
-                found.append(Channel("feed in the program", "feed", -1, cap, 1.0, "mm/min"))
+def _named_curves(has_tool: bool, limits: Limits, units: list[str], toolpath: ToolPath | None) -> list[Channel]:
+    """All curves, without values."""
+    none, found = np.zeros(0), []
+    if has_tool:
+        found.append(Channel(SPEED, "feed", -1, none, 1.0, "mm/min"))
+        found += [Channel(CAP, "feed", -1, none, 1.0, "mm/min")] if toolpath is not None else []
     per = {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}
-    for kind, values in zip(KINDS, (setpoints.qd, setpoints.qdd, setpoints.qddd)):
-        for j, joint in enumerate(setpoints.joints):
+    for kind in KINDS:
+        for j, joint in enumerate(limits.joints):
             limit = float(getattr(limits, kind)[j])
             if np.isfinite(limit):
                 scale = {"m": 1e3, "rad": 180.0 / np.pi}.get(units[j], 1.0)
                 unit = {"m": "mm", "rad": "°"}.get(units[j], "") + per[kind]
-                found.append(Channel(joint, kind, j, values[:, j] / limit, limit * scale, unit))
+                found.append(Channel(joint, kind, j, none, limit * scale, unit))
     return found
 
 
 def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg: float | None) -> list[Channel]:
     """Curves of how far the path is off the program at times t (n,), as shares of the tolerances [mm], [deg]; none
-    where that is not known. The largest that was found in the piece of the path that is passed."""
+    where that is not known. The largest that was found in the piece of the path that is passed; of many times the
+    extremes."""
     found = [run.deviations() for run in trajectory.axis_path.runs]
     of_runs = [each for each in found if each is not None]
     if len(of_runs) < len(found) or tip_mm is None or axis_deg is None:
         return []
+    edges = stretches(len(t))
+    if len(edges) <= len(t):
+        # pieces are passed in order: those of a stretch lie between those of its ends
+        t = np.concatenate((t[edges[:-1]], t[edges[1:] - 1]))
     s, run = trajectory.parameter(t), trajectory.run_at(t)
     piece = np.zeros(len(t), dtype=np.int64)
     pieces = 0
@@ -113,10 +127,124 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
         pieces += last + 1
     channels = []
     for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
-        off = np.concatenate([each[1 + k] for each in of_runs])[piece]
+        off = _passed(np.concatenate([each[1 + k] for each in of_runs]), piece, len(t) // 2 == len(edges) - 1)
         share = off * (1e6 if k == 0 else 180.0 / np.pi) / tolerance
         channels.append(Channel(name, "deviation", -1 - k, share, tolerance, unit))
     return channels
+
+
+def _passed(off: Floats, piece: Ints, between: bool) -> Floats:
+    """Deviations (pieces,) at pieces (k,); or `between` the first and the second half of these, the extremes."""
+    if not between:
+        return off[piece]
+    first, last = np.split(piece, 2)
+    ends = np.column_stack((first, last + 1)).ravel()
+    padded = np.append(off, off[-1:])
+    low, high = (each.reduceat(padded, ends)[::2] for each in (np.minimum, np.maximum))
+    return _in_order(low, high, off[first] > off[last])
+
+
+def stretches(count: int) -> Ints:
+    """(k + 1,) first set-points of the stretches of which the extremes are shown: of each set-point by itself where
+    there are few."""
+    return np.arange(count + 1) if count <= POINTS else np.linspace(0, count, POINTS // 2 + 1).astype(np.int64)
+
+
+def _in_order(low: Floats, high: Floats, falling: npt.NDArray[np.bool_]) -> Floats:
+    """(2 n,) extremes (n,) of stretches, in the order in which they come."""
+    out: Floats = np.empty(2 * len(low))
+    out[0::2] = np.where(falling, high, low)
+    out[1::2] = np.where(falling, low, high)
+    return out
+
+
+class Curves:
+    """All curves of set-points: tip speed and cap, then each kind of each joint over its limit.
+
+    Takes the set-points block by block, in any order and in any thread, and keeps of each stretch the least and the
+    largest value of each curve.
+    """
+
+    def __init__(self, source: SetPointSource, limits: Limits, units: list[str], toolpath: ToolPath | None) -> None:
+        """Take where they are from, and the limits and units ("m", "rad" or "") of the joints."""
+        self.count, self.toolpath, self.limits = len(source), toolpath, limits
+        self.channels = _named_curves(source.has_tool, limits, units, toolpath)
+        self.edges = stretches(self.count)
+        shape = len(self.channels), len(self.edges) - 1
+        self.low, self.high = np.full(shape, np.inf), np.full(shape, -np.inf)
+        self.first, self.last = np.empty(shape), np.empty(shape)
+        self.top = 0.0
+        """The largest cap."""
+        self._cap = next((k for k, channel in enumerate(self.channels) if channel.name == CAP), None)
+        self.tip_steps = np.zeros(max(self.count - 1, 0) if source.has_tool else 0)
+        """(n - 1,) way of the tip in each step [m]."""
+        self._lock = threading.Lock()
+
+    @classmethod
+    def of(cls, source: SetPointSource, limits: Limits, units: list[str], toolpath: ToolPath | None) -> Curves:
+        """Those of all set-points."""
+        curves = cls(source, limits, units, toolpath)
+        each_block(source, (curves.take,))
+        return curves
+
+    def take(self, block: Block) -> None:
+        """Look at a block."""
+        values, top = self._values(block), 0.0
+        if self._cap is not None:
+            # only the cap may be none at all, which hides others of its stretch
+            finite = np.isfinite(values[self._cap])
+            top = float(values[self._cap, finite].max(initial=0.0))
+        begins = np.searchsorted(self.edges, (block.begin, block.end - 1), side="right") - 1
+        mine = slice(int(begins[0]), int(begins[1]) + 1)
+        edges = self.edges[mine.start : mine.stop + 1]
+        starts = np.maximum(edges[:-1], block.begin) - block.begin
+        ends = np.minimum(edges[1:], block.end) - 1 - block.begin
+        low, high = (each.reduceat(values, starts, axis=1) for each in (np.minimum, np.maximum))
+        begun, ended = edges[:-1] >= block.begin, edges[1:] <= block.end
+        with self._lock:
+            self.top = max(self.top, top)
+            np.minimum(self.low[:, mine], low, out=self.low[:, mine])
+            np.maximum(self.high[:, mine], high, out=self.high[:, mine])
+            self.first[:, mine][:, begun] = values[:, starts[begun]]
+            self.last[:, mine][:, ended] = values[:, ends[ended]]
+
+    def _values(self, block: Block) -> Floats:
+        """(k, rows) of each curve at the set-points of a block."""
+        points, speed, begin = block.points, np.zeros(len(block.near)), block.begin - block.first
+        out = np.empty((len(self.channels), len(points)))
+        if len(self.tip_steps):
+            steps = block.near.tip_steps
+            speed = _at_both_ends(steps / np.diff(block.near.t))
+            mine = steps[begin : begin + len(points)]
+            self.tip_steps[block.begin : block.begin + len(mine)] = mine
+        for row, channel in zip(out, self.channels):
+            if channel.name == SPEED:
+                row[:] = speed[begin : begin + len(points)] * 60e3
+            elif channel.panel == "feed":
+                assert self.toolpath is not None
+                row[:] = feed_cap(points, self.toolpath) * 60e3
+            else:
+                column = block.columns(COLUMNS[channel.panel], block.begin, block.end)[channel.joint]
+                np.divide(column, float(getattr(self.limits, channel.panel)[channel.joint]), out=row)
+        return out
+
+    def extremes(self) -> list[Channel]:
+        """The curves with their values, without those of which there is none."""
+        found = []
+        for k, channel in enumerate(self.channels):
+            few = self.count <= POINTS
+            values = self.first[k] if few else _in_order(self.low[k], self.high[k], self.first[k] > self.last[k])
+            if k != self._cap or self.top > 0.0:
+                found.append(replace(channel, values=values, top=self.top if k == self._cap else 0.0))
+        return found
+
+    def speed_at(self, at: Ints, t: Floats) -> Floats:
+        """(k,) speed of the tip at the set-points `at`, where all come at the times t (n,) [m/s]."""
+        if not len(self.tip_steps):
+            return np.zeros(len(at))
+        before, behind = np.maximum(at - 1, 0), np.minimum(at, len(self.tip_steps) - 1)
+        speeds = (self.tip_steps[each] / (t[each + 1] - t[each]) for each in (before, behind))
+        return np.asarray(0.5 * sum(speeds))
 
 
 def extremes(values: Floats, most: int = POINTS) -> Floats:
@@ -127,18 +255,14 @@ def extremes(values: Floats, most: int = POINTS) -> Floats:
     edges = np.linspace(0, n, most // 2 + 1).astype(np.int64)
     low = np.minimum.reduceat(values, edges[:-1])
     high = np.maximum.reduceat(values, edges[:-1])
-    falling = values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])]
-    out: Floats = np.empty(2 * len(low))
-    out[0::2] = np.where(falling, high, low)
-    out[1::2] = np.where(falling, low, high)
-    return out
+    return _in_order(low, high, values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])])
 
 
 def packed(channel: Channel) -> dict[str, object]:
     """A channel for the page: 16-bit integers times a scale; a gap where there is no value."""
     values = channel.values
     finite = np.isfinite(values)
-    top = float(np.abs(values[finite]).max()) if finite.any() else 1.0
+    top = max(float(np.abs(values[finite]).max()), channel.top) if finite.any() else 1.0
     scale = max(top, 1e-12) / _FULL
     small = extremes(np.where(finite, values / scale, np.inf))
     whole = np.where(np.isfinite(small), np.round(np.where(np.isfinite(small), small, 0.0)), _MISSING)
@@ -154,10 +278,10 @@ def packed(channel: Channel) -> dict[str, object]:
     }
 
 
-def blocks_over_time(setpoints: SetPoints, most: int = POINTS) -> dict[str, object]:
+def blocks_over_time(setpoints: SetPointSource, most: int = POINTS) -> dict[str, object]:
     """Line numbers over time, for the texts that a pointer calls up."""
     at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
-    return {"data": encoded(setpoints.block[at].astype("<i4"))}
+    return {"data": encoded(setpoints.at(at).block.astype("<i4"))}
 
 
 def limit_names(joints: tuple[str, ...]) -> list[str]:
@@ -192,35 +316,34 @@ def _feed_share(trajectory: Trajectory, t: Floats) -> Floats:
     return share
 
 
-def stations(setpoints: SetPoints, most: int = STATIONS) -> Ints:
-    """Set-points to draw: as many in equal steps of time as in equal steps of length, so that neither slow
-    corners nor fast moves turn into polygons."""
-    n = len(setpoints)
+def stations(tip_steps: Floats, most: int = STATIONS) -> Ints:
+    """Set-points to draw, where the tip goes so far (n - 1,) between them: as many in equal steps of time as in equal
+    steps of length, so that neither slow corners nor fast moves turn into polygons."""
+    n = len(tip_steps) + 1
     if n <= most:
         return np.arange(n)
-    length = np.concatenate(([0.0], np.cumsum(setpoints.tip_steps)))
+    length = np.concatenate(([0.0], np.cumsum(tip_steps)))
     measure = np.arange(n) / (n - 1) + length / max(float(length[-1]), 1e-30)
     at = np.searchsorted(measure, np.linspace(0.0, measure[-1], most))
     found: Ints = np.unique(np.clip(at, 0, n - 1))
     return found
 
 
-def scene_data(setpoints: SetPoints, at: Ints, limiting: Ints, cap: Floats | None) -> dict[str, object]:
-    """Data of the picture: tip [mm], speed [mm/min], what binds, block, and the whiskers, at the set-points
-    `at`."""
-    tip = setpoints.tip[at] * 1e3
-    speed = tip_speed(setpoints)[at] * 60e3
+def scene_data(points: SetPoints, speed: Floats, limiting: Ints, cap: Floats | None) -> dict[str, object]:
+    """Data of the picture: tip [mm], speed (k,) [mm/min], what binds (k,), block, and the whiskers, at some set-points
+    (k,) with a cap of the feed (k,)."""
+    tip = points.tip * 1e3
     # Rapids would take the whole range of colours; it belongs to the cut.
-    cutting = np.isfinite(cap[at]) if cap is not None else np.ones(len(at), dtype=bool)
+    cutting = np.isfinite(cap) if cap is not None else np.ones(len(tip), dtype=bool)
     top = float(speed[cutting].max()) if cutting.any() else float(speed.max())
     size = float(np.sqrt(((tip.max(axis=0) - tip.min(axis=0)) ** 2).sum()))
     moved = np.concatenate(([0.0], np.cumsum(np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1)))))
-    turned = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(setpoints.axis[at], axis=0) ** 2).sum(axis=1)))))
+    turned = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(points.axis, axis=0) ** 2).sum(axis=1)))))
     measure = moved / max(moved[-1], 1e-12) + 0.5 * turned / max(turned[-1], 1e-12)
-    some = np.unique(np.clip(np.searchsorted(measure, np.linspace(0.0, measure[-1], WHISKERS)), 0, len(at) - 1))
+    some = np.unique(np.clip(np.searchsorted(measure, np.linspace(0.0, measure[-1], WHISKERS)), 0, len(tip) - 1))
     whiskers = np.full((len(some), 3, 3), np.nan)
     whiskers[:, 0] = tip[some]
-    whiskers[:, 1] = tip[some] + setpoints.axis[at[some]] * max(0.07 * size, 1.0)
+    whiskers[:, 1] = tip[some] + points.axis[some] * max(0.07 * size, 1.0)
     return {
         "x": encoded(tip[:, 0].astype("<f4")),
         "y": encoded(tip[:, 1].astype("<f4")),
@@ -228,7 +351,7 @@ def scene_data(setpoints: SetPoints, at: Ints, limiting: Ints, cap: Floats | Non
         "speed": encoded(speed.astype("<f4")),
         "top": max(top, 1e-9),
         "limiting": encoded(limiting.astype("<i2")),
-        "block": encoded(setpoints.block[at].astype("<i4")),
-        "t": encoded(setpoints.t[at].astype("<f4")),
+        "block": encoded(points.block.astype("<i4")),
+        "t": encoded(points.t.astype("<f4")),
         "whiskers": [encoded(whiskers[:, :, k].ravel().astype("<f4")) for k in range(3)],
     }

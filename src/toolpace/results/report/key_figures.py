@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.common.arrays import Floats
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
-from toolpace.motion.setpoints import SetPoints
 from toolpace.results.report import shell
 from toolpace.results.report.words import at_most, mesh_gap, motion_gap, percent
 
@@ -30,7 +30,7 @@ class BendingFigures(Protocol):
     def rounds(self) -> int: ...
 
 
-class RoundFigures(Protocol):
+class IterationFigures(Protocol):
     """A path that was fitted on the way."""
 
     @property
@@ -67,27 +67,27 @@ class PlanFigures(Protocol):
     @property
     def effort(self) -> str: ...
     @property
-    def rounds(self) -> Sequence[RoundFigures]: ...
+    def rounds(self) -> Sequence[IterationFigures]: ...
     @property
     def bending(self) -> BendingFigures | None: ...
 
 
 def key_figures(
     trajectory: Trajectory,
-    setpoints: SetPoints,
+    tip_steps: Floats,
     toolpath: ToolPath | None,
     verification: Verification | None,
     figures: PlanFigures | None,
 ) -> str:
-    """The figures one asks for first, as cards (HTML)."""
+    """The figures one asks for first, as cards (HTML); `tip_steps` (n - 1,) [m] are none where there is no tool."""
     cards = [("Time", format_time(trajectory.duration), "from rest to rest", "big")]
     if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
         note = mesh_gap(trajectory.gap)
         if trajectory.continuous_bound > 0.0:
             note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
         cards.append(("Gap", at_most(trajectory.gap), note, ""))
-    if setpoints.has_tool:
-        length = float(setpoints.tip_steps.sum())
+    if len(tip_steps):
+        length = float(tip_steps.sum())
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
         shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
         cards.append(("Path length of the tip", shown, f"{mean:.0f} mm/min on average", ""))

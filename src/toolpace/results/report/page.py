@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -14,12 +14,12 @@ from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.machine.limits import KINDS
 from toolpace.motion.operation_times import OperationTime, operation_times
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import SetPointSource
 from toolpace.results.report.charts import (
     NOTHING,
+    Curves,
     binding,
     blocks_over_time,
-    channels,
     deviations,
     encoded,
     feed_cap,
@@ -46,6 +46,7 @@ from toolpace.results.report.words import (
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
+    from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.toolpath import ToolPath
 
@@ -56,16 +57,23 @@ STRIP = 20_000
 """Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
 
 
+def units_of(machine: Machine | None, joints: Sequence[str]) -> list[str]:
+    """The unit of each joint, "m" or "rad"; empty where no machine tells."""
+    return [""] * len(joints) if machine is None else ["rad" if r else "m" for r in machine.is_rotary]
+
+
 def report_page(
     trajectory: Trajectory,
-    setpoints: SetPoints,
+    setpoints: SetPointSource,
     toolpath: ToolPath | None,
     verification: Verification | None,
     figures: PlanFigures | None,
+    curves: Curves | None = None,
 ) -> str:
-    """The whole HTML text."""
+    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already."""
     machine = trajectory.axis_path.machine
-    units = ["rad" if r else "m" for r in machine.is_rotary] if machine is not None else [""] * len(setpoints.joints)
+    units = units_of(machine, setpoints.joints)
+    curves = curves or Curves.of(setpoints, trajectory.limits, units, toolpath)
     source = toolpath.source if toolpath is not None else ""
     program = (figures.program if figures is not None else "") or source or "motion"
     where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
@@ -75,7 +83,7 @@ def report_page(
         "program": escape(program),
         "machine": escape(where),
         "verdict": _verdict(verification),
-        "cards": key_figures(trajectory, setpoints, toolpath, verification, figures),
+        "cards": key_figures(trajectory, curves.tip_steps, toolpath, verification, figures),
         "insight": _insight(trajectory.limited_by()),
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
@@ -85,29 +93,29 @@ def report_page(
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
     }
-    data = _data(trajectory, setpoints, toolpath, units, palette, figures)
+    data = _data(trajectory, setpoints, toolpath, curves, palette, figures)
     return whole_page("toolpace.results.report", "page", title, fields, data)
 
 
 def _data(
     trajectory: Trajectory,
-    setpoints: SetPoints,
+    setpoints: SetPointSource,
     toolpath: ToolPath | None,
-    units: list[str],
+    curves: Curves,
     palette: Mapping[str, str],
     figures: PlanFigures | None,
 ) -> str:
     """All that the script draws, as JSON that cannot end the element it stands in."""
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
-    curves = channels(setpoints, trajectory.limits, units, toolpath)
+    shown = curves.extremes()
     if figures is not None:
-        curves += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+        shown += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
     data: dict[str, object] = {
         "end": float(setpoints.t[-1]),
         "duration": float(trajectory.duration),
         "joints": list(setpoints.joints),
-        "channels": [packed(channel) for channel in curves],
+        "channels": [packed(channel) for channel in shown],
         "blocks": blocks_over_time(setpoints),
         "limits": [limit_words(name) for name in limit_names(setpoints.joints)],
         "colours": list(palette.values()),
@@ -116,11 +124,12 @@ def _data(
         "nothing": NOTHING,
     }
     if setpoints.has_tool:
-        at = stations(setpoints)
-        cap = feed_cap(setpoints, toolpath) if toolpath is not None else None
-        times = np.asarray(np.minimum(setpoints.t[at], trajectory.duration), dtype=np.float64)
-        limiting = binding(trajectory, times)
-        data["scene"] = scene_data(setpoints, at, limiting, cap)
+        at = stations(curves.tip_steps)
+        points = setpoints.at(at)
+        cap = feed_cap(points, toolpath) if toolpath is not None else None
+        times = np.asarray(np.minimum(points.t, trajectory.duration), dtype=np.float64)
+        speed = curves.speed_at(at, setpoints.t) * 60e3
+        data["scene"] = scene_data(points, speed, binding(trajectory, times), cap)
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 

@@ -1,17 +1,21 @@
-"""The folder of a plan, written completely or not at all."""
+"""The folder of a plan, written completely or not at all; and its table of set-points, setpoints.csv."""
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from toolpace.common.errors import UsageError
-from toolpace.common.files import reason, sealed_files, whole_folder
+from toolpace.common.files import reason, sealed_files, whole_file, whole_folder
 from toolpace.machine.machine import Machine
+from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.files.set_point_files import (
     COMPACT_FILE,
     FULL_FILE,
@@ -19,18 +23,30 @@ from toolpace.motion.files.set_point_files import (
     file_of,
     form_of,
     set_points_file,
-    write_set_points,
 )
 from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
-from toolpace.results.write.csv import write_csv
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import SetPointSource, in_memory
+from toolpace.motion.trajectory import Trajectory
+from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
-from toolpace.results.write.reading_options import CONTROLLER, SETUP, read_again, reading_record, write_how_read
-from toolpace.results.write.result import TOOL, PlanResult, bent_tool, copy_name
+from toolpace.results.write.result import (
+    CONTROLLER,
+    SETUP,
+    TOOL,
+    PlanResult,
+    SetPointDigest,
+    bent_tool,
+    copy_name,
+    read_again,
+    reading_record,
+    write_reading_options,
+)
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "bent_tool", "read_again", "read_plan", "reading_record", "refuse_without_set_points", "write_csv",
-    "write_folder",
+    "PlanResult", "SetPointDigest", "bent_tool", "digest_of", "read_again", "read_plan", "reading_record",
+    "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
 TABLE = "setpoints.csv"
@@ -38,6 +54,48 @@ REPORT = "report.html"
 """Names of the files beside plan.json."""
 WRITING = "writing"
 """The step under which plan.json tells the time that the other files took."""
+CHUNK = 20_000
+"""Rows that are turned into text in one piece, to keep memory low."""
+_KINDS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
+"""What a column holds, the field of SetPoints, and what its unit is divided by."""
+
+
+def columns(setpoints: SetPointSource, machine: Machine | None) -> tuple[list[str], list[float]]:
+    """Names with units, and the factors from SI, of all columns but the last (block)."""
+    rotary = machine.is_rotary if machine is not None else [None] * len(setpoints.joints)
+    units = [("", 1.0) if r is None else ("deg", 180.0 / math.pi) if r else ("mm", 1e3) for r in rotary]
+    names, factors = ["t [s]"], [1.0]
+    for kind, _, per in _KINDS:
+        for joint, (unit, factor) in zip(setpoints.joints, units):
+            shown = f"{unit}{per}" if unit else f"1{per}" if per else "1"
+            names.append(f"{joint}{kind} [{shown}]")
+            factors.append(factor)
+    if setpoints.has_tool:
+        names += [f"tip {c} [mm]" for c in "xyz"] + [f"axis {c} [1]" for c in "ijk"]
+        factors += [1e3] * 3 + [1.0] * 3
+    return names, factors
+
+
+def write_csv(path: str | os.PathLike[str], setpoints: SetPointSource, machine: Machine | None = None) -> None:
+    """Write the table, whole or not at all: time, positions, velocities, accelerations, jerks, tip, axis,
+    block.
+
+    Fifteen digits: a jerk found by differences of positions at 1 ms needs them.
+    """
+    names, factors = columns(setpoints, machine)
+    form = "%.15g," * len(names) + "%d\n"
+    scale = np.array(factors)
+    with whole_file(path) as temporary, temporary.open("w", encoding="ascii", newline="") as stream:
+        stream.write(",".join([*names, "block"]) + "\n")
+        for start in range(0, len(setpoints), CHUNK):
+            points = setpoints.rows(start, min(start + CHUNK, len(setpoints)))
+            parts = [points.t[:, None], points.q, points.qd, points.qdd, points.qddd]
+            parts += [points.tip, points.axis] if points.has_tool else []
+            # Zero has no sign.
+            values = np.hstack(parts) * scale + 0.0
+            # Block numbers are exact in double precision, so that one format serves the whole row.
+            table = np.column_stack((values, points.block))
+            stream.write((form * len(table)) % tuple(table.ravel().tolist()))
 
 
 def write_folder(
@@ -62,18 +120,25 @@ def write_folder(
     """
     tell = progress or (lambda share: None)
     began = time.perf_counter()
+    digest = result.digest
+    if digest is None:
+        digest = digest_of(result.machine, result.trajectory, result.setpoints, result.toolpath, report=report, npz=npz)
+        each_block(result.setpoints, (digest.take,))
+        result = replace(result, digest=digest)
     record = result.record()
     with whole_folder(directory, seal=PLAN) as folder:
         tell(0.0)
         (folder / MACHINE).write_text(result.machine.to_toml(), encoding="utf-8")
         form = form_of(npz, len(result.setpoints), len(result.machine.joints))
-        # who reads them has the machine of the file, whose figures were rounded to decimals
-        write_set_points(folder, result.setpoints, Machine.load(folder / MACHINE), form)
+        if digest.packed is not None:
+            digest.packed.write(folder / COMPACT_FILE)
+        elif form == "full":
+            in_memory(result.setpoints).save(folder / FULL_FILE)
         if form != "no" and is_writable(result.trajectory.axis_path, result.trajectory.laws):
             write_trajectory(folder / TRAJECTORY, result.trajectory.axis_path, result.trajectory.laws)
         if result.program is not None:
             copy_program(result, folder / result.program_copy)
-        write_how_read(folder, result.options)
+        write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
         if csv:
@@ -84,13 +149,36 @@ def write_folder(
             from toolpace.results.report import write_report
 
             write_report(
-                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record
-            )
+                folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record,
+                digest.curves,
+            )  # fmt: skip
         steps = {**record.step_s, WRITING: time.perf_counter() - began}
         record = msgspec.structs.replace(record, step_s=steps)
         write_plan(folder / PLAN, record)
         tell(1.0)
     return record
+
+
+def digest_of(
+    machine: Machine,
+    trajectory: Trajectory,
+    source: SetPointSource,
+    toolpath: ToolPath | None,
+    *,
+    report: bool,
+    npz: str,
+) -> SetPointDigest:
+    """What will take the set-points of a plan for its folder; see `write_folder`."""
+    curves = packed = None
+    if report:
+        from toolpace.results.report.charts import Curves
+        from toolpace.results.report.page import units_of
+
+        curves = Curves(source, trajectory.limits, units_of(trajectory.axis_path.machine, source.joints), toolpath)
+    if form_of(npz, len(source), len(machine.joints)) == "compact":
+        # who reads them has the machine of the file, whose figures were rounded to decimals
+        packed = CompactWriter(source, Machine.from_toml(machine.to_toml()))
+    return SetPointDigest(packed, curves)
 
 
 def copy_program(result: PlanResult, copy: Path) -> None:

@@ -1,4 +1,4 @@
-"""A job's result and inputs, from which the folder of a plan is written."""
+"""A job's result and inputs, from which the folder of a plan is written; and how its program was read, beside it."""
 
 from __future__ import annotations
 
@@ -6,22 +6,39 @@ import hashlib
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
-from toolpace.cutting.compensated_program import BendingCompensation
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.motion.files.compact_set_points import CompactWriter
 from toolpace.motion.operation_times import operation_times
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.sampling import each_block
+from toolpace.motion.setpoints import Block, SetPointSource
+from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
+from toolpace.programs.reading.setup_file import load_setup, setup_text
 from toolpace.programs.tolerances import Tolerances
-from toolpace.results.write import figures
-from toolpace.results.write.plan_json import PLAN, BendingRecord, PlanRecord
-from toolpace.results.write.reading_options import reading_record
+from toolpace.results.write.plan_json import (
+    PLAN,
+    BendingRecord,
+    PlanRecord,
+    ReadingRecord,
+    by_place,
+    finite_bound,
+    iteration_records,
+    largest_finite,
+    open_place_records,
+    operation_records,
+    printable_counts,
+    share_at_tolerance,
+    usage_record,
+    widest,
+)
 
 if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation
@@ -30,10 +47,14 @@ if TYPE_CHECKING:
     from toolpace.motion.trajectory import Trajectory
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.report.charts import Curves
 
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 TOOL = "tool.toml"
 """Its name beside plan.json."""
+CONTROLLER = "controller.toml"
+SETUP = "setup.toml"
+"""Names of the files beside plan.json."""
 
 
 class Fitted(Protocol):
@@ -52,6 +73,41 @@ class Fitted(Protocol):
         """[s]"""
 
 
+class SetPointDigest:
+    """What the folder of a plan holds of its set-points: the way of the tip, and where they are wanted the packed
+    set-points and the curves of the report.
+
+    Takes the set-points block by block, in any order and in any thread.
+    """
+
+    def __init__(self, packed: CompactWriter | None = None, curves: Curves | None = None) -> None:
+        self.packed, self.curves = packed, curves
+        self._lengths: dict[int, float] = {}
+
+    @classmethod
+    def of(
+        cls, source: SetPointSource, packed: CompactWriter | None = None, curves: Curves | None = None
+    ) -> SetPointDigest:
+        """That of all set-points."""
+        digest = cls(packed, curves)
+        each_block(source, (digest.take,))
+        return digest
+
+    def take(self, block: Block) -> None:
+        """Look at a block."""
+        if block.near.has_tool:
+            begin = block.begin - block.first
+            self._lengths[block.begin] = float(block.near.tip_steps[begin : begin + block.end - block.begin].sum())
+        for each in (self.packed, self.curves):
+            if each is not None:
+                each.take(block)
+
+    @property
+    def length(self) -> float:
+        """Of the way of the tip [m]."""
+        return sum(self._lengths[begin] for begin in sorted(self._lengths))
+
+
 @dataclass(frozen=True, kw_only=True)
 class PlanResult:
     """A plan with its set-points and its verification, and what was asked for, so that it can be judged by files alone.
@@ -61,7 +117,9 @@ class PlanResult:
 
     trajectory: Trajectory
     machine: Machine
-    setpoints: SetPoints
+    setpoints: SetPointSource
+    digest: SetPointDigest | None = None
+    """What the folder holds of the set-points, where these have been gone through already."""
     toolpath: ToolPath | None = None
     path: Fitted | None = None
     effort: str = "low"
@@ -96,15 +154,16 @@ class PlanResult:
     def record(self) -> PlanRecord:
         """The figures of plan.json. Deviations are what the judge measured, without one what the fit did."""
         trajectory, toolpath, verification = self.trajectory, self.toolpath, self.verification
-        bound = figures.known_bound(trajectory)
+        bound = finite_bound(trajectory)
         # Lines that only switch modes count as blocks read, but the report speaks of blocks that move.
         blocks = (toolpath.blocks or len(set(toolpath.block.tolist()))) if toolpath is not None else 0
         source = toolpath.source if toolpath is not None else ""
         times = operation_times(trajectory, toolpath) if toolpath is not None else []
-        tip = figures.widest(self.tip_tolerance, toolpath, "tip")
-        axis = figures.widest(self.axis_tolerance, toolpath, "axis")
+        tip = widest(self.tip_tolerance, toolpath, "tip")
+        axis = widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
-        t = self.setpoints.t
+        t, digest = self.setpoints.t, self.digest
+        length = digest.length if digest is not None else SetPointDigest.of(self.setpoints).length
         return PlanRecord(
             duration_s=float(trajectory.duration),
             lower_bound_s=bound,
@@ -114,39 +173,39 @@ class PlanResult:
             mesh_points=int(trajectory.mesh_points),
             blocks=int(blocks),
             stops=len(trajectory.laws) - 1,
-            usage=figures.usage_record(trajectory),
+            usage=usage_record(trajectory),
             limited_by=trajectory.limited_by(),
-            tip_deviation_mm=figures.largest_known([source.tip_deviation for source in measured], 1e3),
-            axis_deviation_deg=figures.largest_known([source.axis_deviation for source in measured], 180.0 / math.pi),
+            tip_deviation_mm=largest_finite([source.tip_deviation for source in measured], 1e3),
+            axis_deviation_deg=largest_finite([source.axis_deviation for source in measured], 180.0 / math.pi),
             machine=printable(self.machine.name),
             program=printable((self.program.name if self.program is not None else "") or source),
             toolpace_version=__version__,
             planner=trajectory.planner,
             dt_s=float(t[1] - t[0]) if len(t) > 1 else 0.0,
             set_points=len(self.setpoints),
-            path_length_mm=figures.tip_length(self.setpoints),
+            path_length_mm=length * 1e3 if self.setpoints.has_tool else None,
             tip_tolerance_mm=tip * 1e3 if tip is not None else None,
             axis_tolerance_deg=math.degrees(axis) if axis is not None else None,
-            tip_tolerances=figures.by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),
-            axis_tolerances=figures.by_place(self.axis_tolerance, lambda value: f"{math.degrees(value):.12g}deg"),
+            tip_tolerances=by_place(self.tip_tolerance, lambda value: f"{value * 1e6:.12g}um"),
+            axis_tolerances=by_place(self.axis_tolerance, lambda value: f"{math.degrees(value):.12g}deg"),
             feed=self.feed,
             program_file=self.program_copy,
             verified=verification.ok if verification is not None else None,
             dialect=self.dialect,
             continuous_bound_s=trajectory.continuous_bound or None,
             lower_bound_of=None if bound is None else "this mesh",
-            open_places=figures.open_place_records(trajectory),
+            open_places=open_place_records(trajectory),
             bending=bending_record(self.aimed) if self.aimed is not None else None,
             effort=self.effort,
-            rounds=figures.round_records(self.rounds),
-            tip_at_tolerance=figures.share_at_tolerance(trajectory, 0, tip),
-            axis_at_tolerance=figures.share_at_tolerance(trajectory, 1, axis),
+            rounds=iteration_records(self.rounds),
+            tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
+            axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
-            skipped=figures.printable_counts(toolpath.skipped) if toolpath is not None else {},
+            skipped=printable_counts(toolpath.skipped) if toolpath is not None else {},
             reading=reading_record(self.options),
-            operations=figures.operation_records(times),
+            operations=operation_records(times),
             cutting_s=sum(each.cutting for each in times) if times else None,
             rapid_s=sum(each.rapid for each in times) if times else None,
             dwell_s=sum(each.dwell for each in times) if times else None,
@@ -182,3 +241,59 @@ def bent_tool(folder: Path, record: BendingRecord | None) -> CuttingTool | None:
     if hashlib.sha256(data).hexdigest() != record.sha256:
         raise UsageError(f"{file}: is not the tool file that the plan was made with (sha256); plan again")
     return tool_of_bytes(data, str(file))
+
+
+def reading_record(options: ReadOptions) -> ReadingRecord:
+    """What plan.json says of the options."""
+    return ReadingRecord(
+        controller_file=CONTROLLER if options.controller is not None else "",
+        setup_file=SETUP if has_setup(options.setup) else "",
+        skip_unknown=options.skip_unknown,
+        lenient=options.lenient,
+        compensation=options.compensation,
+        max_blocks=options.most_blocks,
+        columns=options.columns,
+        units=options.units,
+        others=tuple(other.name for other in options.others),
+    )
+
+
+def has_setup(setup: SetUp) -> bool:
+    """Whether a sheet says anything."""
+    return any(value for name, value in vars(setup).items() if name != "source")
+
+
+def write_reading_options(folder: Path, options: ReadOptions) -> None:
+    """Put controller and set-up sheet beside the plan, with every figure exact."""
+    if options.controller is not None:
+        (folder / CONTROLLER).write_text(options.controller.to_toml(), encoding="utf-8")
+    if has_setup(options.setup):
+        (folder / SETUP).write_text(setup_text(options.setup), encoding="utf-8")
+
+
+def read_again(folder: Path, record: ReadingRecord) -> ReadOptions:
+    """The options from the files of a plan; UsageError where plan.json and the files of the folder differ."""
+    for key, said, name in (
+        ("controller_file", record.controller_file, CONTROLLER), ("setup_file", record.setup_file, SETUP)
+    ):  # fmt: skip
+        there = (folder / name).exists()
+        if said not in ("", name) or bool(said) != there:
+            raise UsageError(
+                f"{folder / PLAN}: {key} of reading is {said!r}, and {name} is {'' if there else 'not '}there; "
+                "plan again to write it anew"
+            )
+    options = ReadOptions.of(
+        None,
+        Controller.load(folder / CONTROLLER) if record.controller_file else None,
+        load_setup(folder / SETUP) if record.setup_file else None,
+        record.skip_unknown,
+        True,
+        record.compensation,
+        record.max_blocks,
+        record.lenient,
+        record.columns,
+        record.units,
+    )
+    if unknown := set(record.others) - set(Controller.names()):
+        raise UsageError(f"{folder / PLAN}: others of reading names '{min(unknown)[:40]}'; plan again to write it anew")
+    return replace(options, others=tuple(map(Controller.load, record.others)))

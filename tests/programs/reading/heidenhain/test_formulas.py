@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from tests.support.heidenhain import SetUp, findings, last, read
 from toolpace.common.errors import ProgramError
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.heidenhain.parameters import Parameters, evaluate, formula
 
 
 def value(text, **given):

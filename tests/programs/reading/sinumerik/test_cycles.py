@@ -12,7 +12,7 @@ import pytest
 from tests.support.sinumerik import SINUMERIK, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.strokes import strokes_of
 
 STRICT = msgspec.structs.replace(SINUMERIK, options=SINUMERIK.options | {"strict_cycles": True})

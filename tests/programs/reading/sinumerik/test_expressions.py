@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.support.sinumerik import ends, last, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.flow.memory import Store
 from toolpace.programs.reading.sinumerik.syntax.expressions import OPERATIONS, Parser
 from toolpace.programs.reading.sinumerik.syntax.lexer import tokens

@@ -9,8 +9,8 @@ from toolpace.machine.from_control.linuxcnc.ini import Ini
 from toolpace.machine.from_control.linuxcnc.loaded import Module
 from toolpace.machine.from_control.record import Figure, Origin, lowest, travel
 from toolpace.machine.from_control.stand_ins import Question
+from toolpace.machine.from_control.unplaced_axes import TURNING
 
-TURNING = "ABC"
 ENDLESS = 1e9
 """A limit of travel beyond it is none: LinuxCNC's own default is 1e99."""
 LEAST_JERK, NO_JERK_LIMIT = 1.0, 1e9

@@ -10,12 +10,12 @@ from pathlib import Path
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
 from toolpace.machine.from_control.linuxcnc.hal import read_hal
 from toolpace.machine.from_control.linuxcnc.ini import Ini, check_is_new, read_ini
-from toolpace.machine.from_control.linuxcnc.limits import TURNING, joint_figures
+from toolpace.machine.from_control.linuxcnc.limits import joint_figures
 from toolpace.machine.from_control.linuxcnc.loaded import Module, axis_letters, loaded_module
-from toolpace.machine.from_control.linuxcnc.tables_and_heads import ALONG, CHAINS
-from toolpace.machine.from_control.linuxcnc.unplaced_axes import place
+from toolpace.machine.from_control.linuxcnc.tables_and_heads import CHAINS
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.stand_ins import Answers
+from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
 from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "LinuxCNC"
@@ -63,7 +63,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     if module.name in CHAINS:
         CHAINS[module.name][1](module, record)
     else:
-        place(module, record, letters)
+        place_axes(Unplaced(record, answers, module.name, module.origin, "[TRAJ] COORDINATES"), letters)
     for letter in "XYZ":
         record.machine_zero[letter] = Figure(0.0, (Origin("the display shows positions of the joints"),))
     _add_control(module, record)

@@ -10,11 +10,10 @@ from collections.abc import Callable
 
 from toolpace.machine.from_control.linuxcnc.loaded import Module
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
+from toolpace.machine.from_control.unplaced_axes import ALONG
 
 DEFAULT_PIVOT = {"5axiskins": 250.0, "maxkins": 0.666}
 """The modules' own defaults of pivot-length [machine units]."""
-ALONG = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0),
-         "A": (1.0, 0.0, 0.0), "B": (0.0, 1.0, 0.0), "C": (0.0, 0.0, 1.0)}  # fmt: skip
 
 
 def _combined(*figures: Figure) -> tuple[Origin, ...]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from toolpace.programs.reading.cldata.curves import PARTS
-from toolpace.programs.reading.cldata.motion import ClCurves, ClMotion
+from toolpace.programs.reading.cldata.motion import PARTS, ClCurves, ClMotion
 from toolpace.programs.reading.cldata.state import SYSTEMS, ClFeed, ClFrame
 from toolpace.programs.reading.cldata.track import Track
 from toolpace.programs.reading.cldata.words import (

@@ -41,7 +41,7 @@ class LinuxcncStage(OffsetStage):
         """Whether the first element was there."""
         self.aside = 0j
         """Unit vector from the program's point to the centre."""
-        self.begun_known = False
+        self.start_is_known = False
         """Whether the interpreter remembers where the motions that wait begin: only then does it look for gouges."""
 
     def move(self, start: list[float], end: list[float], arc: Arc | None, rate: Rate, kind: float) -> None:
@@ -66,7 +66,7 @@ class LinuxcncStage(OffsetStage):
     def pause(self) -> None:
         """M0, M1, M60, and the end of the program: what waits is settled."""
         self._settle(self.at)
-        self.begun_known = False
+        self.start_is_known = False
 
     def leave(self) -> None:
         """G40: the next straight motion goes from the centre's place to its own end."""
@@ -94,7 +94,7 @@ class LinuxcncStage(OffsetStage):
         self.aside = self._aside(path.begins)
         line = Line(self.at, goal + self.radius * self.aside)
         self._lay_main(line, start, end, rate, kind)
-        self.begun_known = True
+        self.start_is_known = True
         # it asks whether the trimmed entry still leads to the side of the tool
         self.waiting[-1].along = self.aside
 
@@ -131,7 +131,7 @@ class LinuxcncStage(OffsetStage):
         self._lay_main(way, start, end, rate, kind)
         laid = self.waiting[-1]
         laid.along, laid.sweep = path.ends, path.sweep if isinstance(path, Turn) else 0.0
-        self.aside, self.begun_known = self._aside(path.ends), True
+        self.aside, self.start_is_known = self._aside(path.ends), True
 
     def _arc_way(self, path: Turn, offset: complex) -> Turn:
         way = path.between(self.at, offset)
@@ -241,9 +241,9 @@ class LinuxcncStage(OffsetStage):
                 self.fail(GOUGES)
             sweep = laid.path.between(self.begun, end).sweep
             slack = 0.0254 if self.unit == MILLIMETRE else 0.001
-            if laid.sweep and self.begun_known and abs(sweep) > abs(laid.sweep) + slack:
+            if laid.sweep and self.start_is_known and abs(sweep) > abs(laid.sweep) + slack:
                 self.fail(GOUGES)
-        elif self.begun_known and (laid.along.conjugate() * (end - self.begun)).real < 0.0:
+        elif self.start_is_known and (laid.along.conjugate() * (end - self.begun)).real < 0.0:
             self.fail(GOUGES)
 
 

@@ -184,10 +184,10 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     if np.isinf(blending).all():
         # the words for blending tell no tolerance: what a cycle asks for counts (CYCLE832, cycle 32, G187)
         blending = np.where(np.isnan(of_cycle), np.inf, of_cycle)
-    ways = _Ways(way[kept])
+    segments = _Segments(way[kept])
     for entry, row in enumerate(kept.tolist()):
         if row in table.arcs:
-            ways.bend(entry, table.arcs[row])
+            segments.bend(entry, table.arcs[row])
     return Commanded(
         words=table.position[kept],
         way=way[kept],
@@ -198,17 +198,18 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
         speed=speed[kept],
         turn=turn[kept],
         time=time[kept],
-        length=ways.length,
-        begin=ways.begin,
-        end=ways.end,
-        radius=ways.radius,
-        centre=ways.centre,
-        normal=ways.normal,
-        sweep=ways.sweep,
+        length=segments.length,
+        begin=segments.begin,
+        end=segments.end,
+        radius=segments.radius,
+        centre=segments.centre,
+        normal=segments.normal,
+        sweep=segments.sweep,
         line=line[kept].astype(np.int64),
         stop=stop,
         joining=joining[:, 0].astype(np.int64),
         tolerance=blending,
+        axis_tolerance=table.tolerance[kept, 1],
         cam_tolerance=joining[:, 2],
         dynamics=table.dynamics[kept],
         dwell=np.add.reduceat(table.dwell, kept),
@@ -220,7 +221,7 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     )
 
 
-class _Ways:
+class _Segments:
     """Lengths and directions of X, Y, Z over moves: straight ones, until they are bent."""
 
     def __init__(self, way: Floats) -> None:

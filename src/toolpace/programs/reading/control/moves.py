@@ -103,6 +103,8 @@ class Dynamics(NamedTuple):
     """1: corners are rounded within a tolerance (G641 to G645, CYCLE832), 0: they are not (G64)."""
     mode: float = math.nan
     """Set of limits that is in force: 0 DYNNORM, 1 DYNFINISH, 2 DYNSEMIFIN, 3 DYNROUGH, 4 DYNPREC, 5 DYNPOS."""
+    smooth: float = math.nan
+    """R of LinuxCNC's G64: 0 the planner without limit of jerk, 0.1 to 1 that with one, and its share of speeds."""
 
 
 class Stage(Protocol):

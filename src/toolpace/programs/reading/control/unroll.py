@@ -14,7 +14,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.programs.reading.arcs import Arc, ArcTable
 from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, MoveTable
 from toolpace.programs.reading.coordinates.kinematics import Poses
-from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble, told_lengths
+from toolpace.programs.reading.points import SAME, ProgramFacts, ProgramPoints, assemble, programmed_lengths
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import Bezier, BezierTable
 from toolpace.programs.toolpath import ToolPath
@@ -60,8 +60,8 @@ class Unroll:
         self.curves = BezierTable(list(table.curves.values()))
         self.curve = np.full(len(self.end), -1)
         self.curve[list(table.curves)] = np.arange(len(table.curves))
-        round_ways: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
-        for row, way in round_ways:
+        curved: list[tuple[int, Arc | Bezier]] = [*table.arcs.items(), *table.curves.items()]
+        for row, way in curved:
             self.length[row] = way.length()
             self.pieces[row] = way.pieces()
 
@@ -190,7 +190,7 @@ class Unroll:
             normal=self.normals(move, (piece + 1) / count),
             rotary=None if self.poses.machine is None else rotary,
             rotary_joints=self.poses.rotary_names,
-            tool_length=told_lengths(self.tool_length[move], self.poses.machine),
+            tool_length=programmed_lengths(self.tool_length[move], self.poses.machine),
             bow=self.bows(move),
         )
         return assemble(self.source, points, facts)

@@ -32,7 +32,7 @@ WORD_ADDRESS: dict[str, Kind] = {
             *("fanuc_checks", "feed_mode_forgets_feed", "indexed_words", "inverse_seconds", "inverse_time_by_radius"),
             *("last_of_group_rules", "length_with_tool", "length_word_stays", "local_shift_is_position"),
             *("local_variables_begin_at_zero", "logic_on_bits", "named_system_variables", "nested_comments"),
-            *("offsets_are_absolute", "offsets_turn", "rapids_vary", "reference_without_axes_is_all"),
+            *("offsets_are_absolute", "offsets_turn", "planner_by_r", "rapids_vary", "reference_without_axes_is_all"),
             *("repeats_in_program_number", "scales_by_axis", "rotation_adds", "rotation_centre_is_absolute"),
             *("rotary_varies", "rs274_checks", "rs274_cycles", "second_tool_is_next", "semicolon_ends_block"),
             *("starts_with_rapid", "tip_frame_where_switched", "tip_mode_at_start", "tip_mode_in_planes"),

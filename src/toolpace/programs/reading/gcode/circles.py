@@ -8,9 +8,9 @@ from toolpace.common.units import INCH, MILLIMETRE
 from toolpace.programs.reading.arcs import MOST_TURNS, PLANE_AXES, Arc, ArcError, Tolerance, centre_of_radius, plane_arc
 from toolpace.programs.reading.control.control import FARTHEST, Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import RefusedError, near_whole
-from toolpace.programs.reading.language.expressions import BlockError
 
 FULL = 360.0
 """A turn [deg]."""

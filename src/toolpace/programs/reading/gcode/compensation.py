@@ -7,9 +7,9 @@ from toolpace.programs.reading.compensation.linuxcnc import LeavingLinuxcnc, Lin
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, AROUND, INSIDE, LINES, OffsetStage, Rules
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 
 OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -142,7 +142,7 @@ class Compensation:
         name = f"{number:g}" if number else control.tool if self.rs274 else ""
         if name in ("", "0"):
             return 0.0
-        if number in self.state.told_radii:
+        if number in self.state.programmed_radii:
             raise RefusedError(f"{word} D{number:g}", "G10 tells its radius: write it on the set-up sheet, without G10")
         control.findings.used.tools.setdefault(name)
         found = control.setup.tool(name)

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.compensation import FORBIDDEN_FUNCTIONS, Compensation
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.frames.planes import MEANINGS, Planes
-from toolpace.programs.reading.gcode.functions import Functions, IdleWords, SavedModes
+from toolpace.programs.reading.gcode.functions import Functions, IdleWords, Modes, SavedModes
 from toolpace.programs.reading.gcode.holes import KINDS, Holes
+from toolpace.programs.reading.gcode.machine_moves import MachineMoves
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
-from toolpace.programs.reading.gcode.modes import Modes
 from toolpace.programs.reading.gcode.motion import MotionReader
-from toolpace.programs.reading.gcode.places import Places
 from toolpace.programs.reading.gcode.program import alarms
 from toolpace.programs.reading.gcode.program.blocks import Block
 from toolpace.programs.reading.gcode.program.calls import ARGUMENTS, Calls, Missing
@@ -35,7 +35,6 @@ from toolpace.programs.reading.gcode.splines import SPLINES, Splines
 from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
 from toolpace.programs.reading.gcode.tools import Tools
 from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import ReadOptions
 
 AS_WRITTEN = (
@@ -46,7 +45,7 @@ SMOOTHNESS = "G187"
 """Of Haas: E tells how far corners may be rounded, none that it is as the control's settings say."""
 WHOLE = frozenset("HLT")
 """Letters of which LinuxCNC takes what is next to a whole number for it."""
-WAYS = ("rapid", "feed", *ARCS)
+MOTIONS = ("rapid", "feed", *ARCS)
 PASSED = ("S", "T", "H", "D")
 """Spindle speed and tool numbers: counted, since nothing moves by them."""
 FREE = ("P", "Q", "E", "L", "R", "K", "I", "J")
@@ -75,6 +74,7 @@ class Executor:
         self.variables.increment = lambda letter: increment(letter, state.unit)
         self.variables.say = control.findings.assumed
         self.rs274 = by.option("rs274_checks", False)
+        self.planner_by_r = by.option("planner_by_r", False)
         self.whole_varies = by.option("whole_numbers_vary", False)
         self.indexed = by.option("indexed_words", False)
         self.macros = Macros(control, state, self.motion, self.calls, by)
@@ -83,7 +83,7 @@ class Executor:
         self.pattern = ""
         """The word of this block that lays a pattern of holes."""
         frames = Frames(control, state, by)
-        self.places = Places(control, state, self.motion, frames, by)
+        self.machine_moves = MachineMoves(control, state, self.motion, frames, by)
         self.planes = Planes(control, state, frames, self.variables, by)
         self.tools = Tools(control, state, by)
         self.compensation = Compensation(control, state, options, by)
@@ -94,7 +94,7 @@ class Executor:
             | frames.handlers()
             | SavedModes(control, state, frames, flow).handlers()
             | {meaning: self._spline(meaning) for meaning in SPLINES}
-            | self.places.handlers()
+            | self.machine_moves.handlers()
             | self.planes.handlers()
             | Functions(control, state, flow.variables).handlers()
             | SurfaceHoles(control, state, self.motion).handlers()
@@ -127,10 +127,10 @@ class Executor:
         if actions:
             if self.splines.opened is not None:
                 self.splines.close()
-            ways = [action.meaning for action in actions if action.meaning in WAYS]
-            state.arc_here = (ways[0] if ways else state.motion) in ARCS
+            motions = [action.meaning for action in actions if action.meaning in MOTIONS]
+            state.arc_here = (motions[0] if motions else state.motion) in ARCS
             own_cycle = any(action.meaning in KINDS for action in actions)
-            state.drills_here = own_cycle or (not ways and state.cycle is not None)
+            state.drills_here = own_cycle or (not motions and state.cycle is not None)
         for action in actions[: block.before_feed]:
             handlers[action.meaning](numbers, action.word)
         number = numbers.pop("F", None) if numbers else None
@@ -185,7 +185,8 @@ class Executor:
         for letter in numbers.keys() & WHOLE | ({"P"} if "G10" in block.words and "P" in numbers else set()):
             numbers[letter] = near_whole(numbers[letter], 1e-4)
         if not numbers.keys() <= alarms.PLAIN or not alarms.NEEDED.keys().isdisjoint(block.words):
-            for letter, alarm in alarms.of_letters(numbers.keys(), block.words, state.motion_word):
+            letters = numbers.keys() - ({"R"} if self.planner_by_r and "G64" in block.words else set())
+            for letter, alarm in alarms.of_letters(letters, block.words, state.motion_word):
                 numbers.pop(letter, None)
                 self.control.findings.stops(alarm.what, self.control.line, alarm.cure)
         alarms.refuse_motionless(numbers.keys(), block.words, state.motion_word)
@@ -221,7 +222,7 @@ class Executor:
             if numbers.pop(letter, None) is not None:
                 control.findings.ignored(letter)
         if state.in_machine:
-            self.places.in_machine(numbers, rapid=state.motion in (None, "rapid"))
+            self.machine_moves.in_machine(numbers, rapid=state.motion in (None, "rapid"))
         elif state.cycle is not None:
             if state.scaled and "Q" in numbers:
                 numbers.clear()
@@ -317,7 +318,7 @@ class Macros:
 
     def _protected(self, missing: Missing) -> None:
         """Probing's way between its measurements: straight to X, Y, Z, at the feed F that it is given."""
-        state, control, arguments = self.state, self.control, missing.given
+        state, control, arguments = self.state, self.control, missing.local
         before = state.motion, control.feed.value, control.feed.turn
         found = {letter: arguments.get(ARGUMENTS[letter]) for letter in "XYZ"}
         feed = arguments.get(ARGUMENTS["F"])

@@ -24,10 +24,10 @@ from toolpace.programs.reading.control.cycles import (
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.control.moves import Joining
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.program.words import RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 DIRECTIONS = {"first": (0, 1.0), "first negative": (0, -1.0), "second": (1, 1.0), "second negative": (1, -1.0)}
 """Of a shift Q: which axis of the plane, and its sign (parameters 5101#4, #5 and 5148 of Fanuc, Setting 27 of Haas)."""

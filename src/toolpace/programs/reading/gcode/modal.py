@@ -9,8 +9,8 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import machine_coordinates
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.variables import Key
-from toolpace.programs.reading.language.expressions import BlockError
 
 ARCS = ("arc clockwise", "arc counter-clockwise")
 _FEEDS = {INVERSE: 93.0, PER_MINUTE: 94.0, PER_REVOLUTION: 95.0}
@@ -87,7 +87,7 @@ class Modal:
     """H in force."""
     radius_number: float | None = None
     """D in force."""
-    told_radii: set[float] = field(default_factory=set)
+    programmed_radii: set[float] = field(default_factory=set)
     """Numbers D whose radius the program itself has told (G10 L12, L13)."""
     between: list[float] | None = None
     """Words of the place over which the reference point was gone to."""

@@ -28,10 +28,10 @@ from toolpace.programs.reading.control.machine_moves import (
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import TURN
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.circles import ArcReader
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 TOOL_VECTOR = ("I1", "J1", "K1")
 """The tool's direction under G141 of MillPlus."""
@@ -118,8 +118,8 @@ class MotionReader:
     def _say_of_rapid(self, before: list[float], target: list[float]) -> None:
         """Say how a rapid is taken that goes along the tool and aside in one block."""
         along = PLANE_ACROSS[self.state.plane]
-        ways = [abs(a - b) > ROUNDING for a, b in zip(before, target)]
-        if len(self.control.moves) and ways[along] and sum(ways) > 1:
+        moved = [abs(a - b) > ROUNDING for a, b in zip(before, target)]
+        if len(self.control.moves) and moved[along] and sum(moved) > 1:
             self.control.findings.assumed(RAPID)
 
     def _corner(self, numbers: dict[str, float]) -> tuple[str, str, float] | None:

@@ -12,6 +12,7 @@ from toolpace.programs.reading.control.feed import FeedRules
 from toolpace.programs.reading.control.state import Rules
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.gcode.execute import Executor
 from toolpace.programs.reading.gcode.modal import FREE, Modal, System
@@ -21,7 +22,6 @@ from toolpace.programs.reading.gcode.program.flow import Flow, Frame
 from toolpace.programs.reading.gcode.program.statements import Statement
 from toolpace.programs.reading.gcode.program.variables import Variables
 from toolpace.programs.reading.gcode.program.words import RefusedError, plain_words
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.source import Source
 from toolpace.programs.reading.splines import CurveError

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.program.words import Numbers
-from toolpace.programs.reading.language.expressions import BlockError
 from toolpace.programs.reading.splines import Bezier, CurveError, curves_of, even_knots
 
 CUBIC, QUADRATIC, NURBS, BY_KNOTS = "cubic spline", "quadratic spline", "nurbs", "nurbs by knots"
@@ -18,6 +18,7 @@ NEAR = 1e-5
 """How far a spline may begin from where the tool is [m]: programs round."""
 _USUAL_ORDER = {NURBS: 3, BY_KNOTS: 4}
 _MOST_POINTS = 100_000
+"""Control points of a spline: a bound on what a program may ask for, not a rule of a control."""
 
 
 @dataclass

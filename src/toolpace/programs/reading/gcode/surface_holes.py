@@ -10,10 +10,10 @@ from contextlib import nullcontext
 from toolpace.common.units import MINUTE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers
-from toolpace.programs.reading.language.expressions import BlockError
 
 LETTERS = ("X", "Y", "Z", "B", "I", "J", "K", "K1", "I1", "F2")
 """Words of a cycle that is defined."""

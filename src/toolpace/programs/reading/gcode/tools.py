@@ -5,9 +5,9 @@ from __future__ import annotations
 from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 WHERE_CHANGED = (
     "M6 leaves the axes where they are: a Haas goes to Z zero before it, others as their builders chose (write G28 or "

@@ -8,15 +8,14 @@ from collections.abc import Callable
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate
 from toolpace.programs.reading.heidenhain.patterns import Patterns
 from toolpace.programs.reading.heidenhain.tilting import MOST_ANGLE, Tilting
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import VALUE, signed
 
 _HEAD = re.compile(r"([0-9]+)(?:\.([0-9]+))?(?![0-9])")
 _ITEM = re.compile(r"Q([0-9]+)\s*=\s*(?:((?:F\s*)?(?:MAX|AUTO)|PREDEF)|(" + VALUE + "))")
@@ -250,7 +249,7 @@ class Cycles:
         axes = self.axes(text)
 
         def run() -> None:
-            by, centre, told = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
+            by, centre, named = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0], set()
             for mark, letter, value in axes:
                 slot = "XYZ".find(letter)
                 if slot < 0:
@@ -259,8 +258,8 @@ class Cycles:
                     centre[slot] = evaluate(value) * self.state.unit
                 else:
                     by[slot] = self.factor(evaluate(value))
-                    told.add(slot)
-            if any(slot not in told for slot in self.frames.scaled()):
+                    named.add(slot)
+            if any(slot not in named for slot in self.frames.scaled()):
                 cure = "name each axis that is scaled, with the factor 1 where that is to end"
                 self.control.refuse("CYCL DEF 26 without an axis that is scaled", cure)
             self.frames.scale(by, centre)
@@ -283,7 +282,7 @@ class Cycles:
 
     def tolerance(self, text: str) -> Step:
         """32: T of the tip, TA of the rotary axes; a line 32.1 without T ends both. Noted, and obeyed where asked."""
-        told = [
+        named = [
             (name, signed(found[1], self.parameters))
             for name, letters in (("tip", "T"), ("axis", "TA"))
             if (found := re.search(rf"(?<![A-Z]){letters}\s*(" + VALUE + ")", text))
@@ -292,7 +291,7 @@ class Cycles:
         def note() -> None:
             self.control.findings.ignored("CYCL DEF 32")
             units = {"tip": self.state.unit, "axis": DEGREE}
-            values = {name: evaluate(value) * units[name] for name, value in told}
+            values = {name: evaluate(value) * units[name] for name, value in named}
             if values or not text.strip():
                 self.control.moves.ask(**(values or {"tip": 0.0, "axis": 0.0}))
 

@@ -9,8 +9,8 @@ from toolpace.common.units import DEGREE, MINUTE
 from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, RAPID_OUT, Drilling, drill
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.state import State
-from toolpace.programs.reading.language.expressions import BlockError
 
 Items = dict[int, float | str]
 """Q parameters of a cycle by number; feeds may be FMAX or FAUTO."""

@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.findings import Findings
+from toolpace.programs.reading.flow import CALL, MAIN, CallStack, Frame
 from toolpace.programs.reading.heidenhain.contour.motion import Step
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate, formula
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters, UnsetError, named
-from toolpace.programs.reading.heidenhain.klartext.program import Program, beside, label_of
+from toolpace.programs.reading.heidenhain.parameters import Parameters, UnsetError, evaluate, formula, named
+from toolpace.programs.reading.heidenhain.program import Program, beside, label_of
 from toolpace.programs.reading.heidenhain.state import State
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import CALL, MAIN, CallStack, Frame
 
 PROGRAM = "program"
 DEEPEST = {CALL: (19, ", which no control takes"), PROGRAM: (30, ", which no control takes")}

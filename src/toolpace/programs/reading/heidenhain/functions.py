@@ -6,14 +6,13 @@ import re
 from collections.abc import Callable
 
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.cycles import Cycles
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.parameters import Parameters, evaluate
+from toolpace.programs.reading.heidenhain.words import VALUE, signed
 
 _TCPM = re.compile(
     r"TCPM(?:\s+(?:F\s+(?:TCP|CONT)|AXIS\s+(?:POS|SPAT)|PATHCTRL\s+(?:AXIS|VECTOR)"

@@ -12,14 +12,14 @@ from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import direction_on_part, retract, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import TURN
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.words import Function, PathWords, code_of
+from toolpace.programs.reading.heidenhain.parameters import Value, evaluate
 from toolpace.programs.reading.heidenhain.state import State
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import Function, PathWords, code_of
 
 UNKNOWN = "leave it out if it moves nothing, or name it under `ignored` in the controller's file"
 UNTILTED = (

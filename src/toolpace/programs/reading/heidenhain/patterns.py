@@ -9,13 +9,12 @@ from collections.abc import Iterable
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import MOST_HOLES, laid_out, on_circle, on_grid
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.heidenhain.klartext.words import VALUE, PathWords, signed
+from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import VALUE, PathWords, signed
 
 _PART = re.compile(r"(POS|ROW|PAT|FRAME|CIRC|PITCHCIRC)[0-9]+\s*\(([^()]*)\)")
 _VALUED = re.compile(r"(ROTX|ROTY|ROT|NUMX|NUMY|NUM|START|STEP|DX|DY|[DXYZ])\s*(" + VALUE + ")")

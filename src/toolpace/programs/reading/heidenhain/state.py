@@ -56,7 +56,7 @@ class State:
     """CC, in the program's coordinates [m]."""
     pole_across: int | None = None
     """The axis across which the plane of the last CC lies, where its two coordinates tell; None: the tool axis."""
-    pole_known: bool = False
+    pole_is_set: bool = False
     pole_in: Placement | None = None
     """The coordinates in which CC told it."""
     polar_end: list[float] = field(default_factory=list)

@@ -7,13 +7,12 @@ import re
 from toolpace.common.units import MINUTE
 from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Step
 from toolpace.programs.reading.heidenhain.frames import Frames
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import Parameters
-from toolpace.programs.reading.heidenhain.klartext.words import VALUE, signed
+from toolpace.programs.reading.heidenhain.parameters import Parameters, evaluate
 from toolpace.programs.reading.heidenhain.state import State
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import VALUE, signed
 from toolpace.programs.reading.points import NOT_LISTED
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")

@@ -18,7 +18,7 @@ from toolpace.programs.reading.arcs import (
 )
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates.affine import cross
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import Point, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, WordValue, bounded, number
@@ -286,7 +286,7 @@ def set_pole(state: State, present: list[float], code: str, words: Words) -> Non
     for slot, letter in enumerate("XYZ"):
         pole[slot] += (number(words, letter, 0.0) or 0.0) * state.unit
     made: Point = (pole[0], pole[1], pole[2])
-    state.pole, state.pole_told, state.polar_plane, state.polar_angle = made, True, state.plane, None
+    state.pole, state.pole_is_set, state.polar_plane, state.polar_angle = made, True, state.plane, None
 
 
 def _radius(words: Words, alarm: str) -> float | None:

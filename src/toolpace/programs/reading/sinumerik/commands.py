@@ -8,11 +8,11 @@ from collections.abc import Callable
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.machine_moves import reference
 from toolpace.programs.reading.coordinates.affine import IDENTITY
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.holes import Holes
 from toolpace.programs.reading.sinumerik.cycles.patterns import places
+from toolpace.programs.reading.sinumerik.cycles.strokes import mill_thread
 from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
-from toolpace.programs.reading.sinumerik.cycles.threads import mill_thread
 from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run
 from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, text

@@ -18,7 +18,7 @@ from toolpace.programs.reading.compensation.stage import (
     Rules,
 )
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Axis, shown
@@ -88,11 +88,11 @@ class Tooling:
         if spindle is not None:
             self.control.feed.spindle = spindle / MINUTE
 
-    def change(self, *, edge_told: bool = False) -> None:
+    def change(self, *, edge_programmed: bool = False) -> None:
         """Put the selected tool into the spindle; its first edge counts then, unless D stands in the block."""
         self._refuse_within("a change of the tool")
         self.control.change_tool(self.selected)
-        if self.edge == 0 and not edge_told:
+        if self.edge == 0 and not edge_programmed:
             self.edge = 1
             self.control.set_length("")
 

@@ -10,7 +10,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.corners import CornerError
 from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
@@ -38,7 +38,7 @@ class Now:
     """What lasts for one block."""
 
     words: Words
-    edge_told: bool = False
+    edge_programmed: bool = False
     """Whether D stands in it."""
     in_machine: bool = False
     stop: bool = False
@@ -59,7 +59,7 @@ class Executor:
         self.commands, self.feed_words = Commands(run), FeedWords(run)
         self.interpreter: Interpreter
         self.meanings: dict[str, Callable[[Now], None]] = {
-            "tool change": lambda now: self.tooling.change(edge_told=now.edge_told),
+            "tool change": lambda now: self.tooling.change(edge_programmed=now.edge_programmed),
             "stop": lambda now: setattr(now, "stop_after", True),
             "end": lambda now: setattr(now, "ends", True),
             "spindle or coolant": lambda now: run.control.stop(),

@@ -11,7 +11,7 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import (
     SLOTS,

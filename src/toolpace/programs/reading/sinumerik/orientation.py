@@ -18,14 +18,14 @@ from toolpace.programs.reading.control.machine_moves import (
 from toolpace.programs.reading.control.unroll import AXIS_GAP
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix, cross
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.state import EULER, GREAT_CIRCLE, RPY, VIRTUAL, State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread
 from toolpace.programs.reading.sinumerik.word_values import Words, number
 
 VECTOR, ANGLES = ("A3", "B3", "C3"), ("A2", "B2", "C2")
-OF_VECTOR, ASKED = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
+OF_VECTOR, DIRECTION_WORDS = frozenset(VECTOR), frozenset((*VECTOR, *ANGLES))
 OF_TWO_GROUPS = (
     "ORIWKS or ORIMKS asks for another way between tool vectors than ORIVECT or ORIAXES: the last counts (MD21104)"
 )
@@ -46,13 +46,13 @@ class Vectors:
         """Rotary joints at the end of the last tool vector, and that vector."""
 
     @staticmethod
-    def asked(words: Words) -> bool:
+    def names_a_direction(words: Words) -> bool:
         """Whether words have a tool vector."""
-        return not ASKED.isdisjoint(words)
+        return not DIRECTION_WORDS.isdisjoint(words)
 
     def taken(self, words: Words) -> list[float] | None:
         """The tool axis (3,) on the part that the words ask for; None where they ask for none."""
-        if len(words) == 0 or not self.asked(words):
+        if len(words) == 0 or not self.names_a_direction(words):
             return None
         if not self.control.coordinates.tip_mode:
             raise BlockError("tool vectors (A3=, A2=) need TRAORI: switch it on before them")

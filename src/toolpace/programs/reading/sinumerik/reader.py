@@ -51,9 +51,9 @@ class SinumerikReader:
         run.motion.corners.refuse()
         if not executor.interpreter.ended:
             self.source.must_be_ended("M2, M30, M17 nor RET")
-        if not run.state.stop_told and len(self.control.moves):
+        if not run.state.stop_programmed and len(self.control.moves):
             self.findings.assumed("the program says neither G60 nor G64: blocks are taken to meet without a stop (G64)")
-        if not run.state.unit_told and len(self.control.moves):
+        if not run.state.unit_programmed and len(self.control.moves):
             self.findings.assumed(
                 "the program does not say its unit of lengths (G70, G71, G700, G710): they are millimetres"
             )

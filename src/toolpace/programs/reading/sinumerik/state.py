@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from toolpace.common.units import INCH, MILLIMETRE
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 Point = tuple[float, float, float]
 GREAT_CIRCLE, ROTARY = "great circle", "rotary"
@@ -26,12 +26,12 @@ class State:
     absolute: bool = True
     unit: float = MILLIMETRE
     """Of lengths [m]."""
-    unit_told: bool = False
+    unit_programmed: bool = False
     """Whether the program said it."""
     feed_unit: float | None = None
     """Of F [m]; None: that of the control itself."""
     exact_stop: bool = False
-    stop_told: bool = False
+    stop_programmed: bool = False
     """Whether the program said how blocks meet: G60, G64."""
     compensation: str = "G40"
     outside: str = "G450"
@@ -57,7 +57,7 @@ class State:
     angles: str = EULER
     pole: Point | None = (0.0, 0.0, 0.0)
     """Of AP and RP; None where it was told in other coordinates or in another plane."""
-    pole_told: bool = False
+    pole_is_set: bool = False
     """Whether the program told it; else it is the origin of whatever coordinates there are."""
     polar_plane: int = 0
     """The plane of the pole and of AP."""
@@ -81,7 +81,7 @@ class State:
 
     def lose_pole(self) -> None:
         """What AP and RP count from is to be told anew, if it was."""
-        if self.pole_told:
+        if self.pole_is_set:
             self.pole = None
 
     def pole_in_force(self) -> Point:
@@ -115,12 +115,12 @@ SETS: dict[str, dict[str, object]] = {
     "CUT2DF": {"in_frame": True},
     "G90": {"absolute": True},
     "G91": {"absolute": False},
-    "G60": {"exact_stop": True, "stop_told": True},
-    **{key: {"exact_stop": False, "stop_told": True} for key in ("G64", "G641", "G642", "G643", "G644", "G645")},
-    "G70": {"unit": INCH, "feed_unit": None, "unit_told": True},
-    "G71": {"unit": MILLIMETRE, "feed_unit": None, "unit_told": True},
-    "G700": {"unit": INCH, "feed_unit": INCH, "unit_told": True},
-    "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE, "unit_told": True},
+    "G60": {"exact_stop": True, "stop_programmed": True},
+    **{key: {"exact_stop": False, "stop_programmed": True} for key in ("G64", "G641", "G642", "G643", "G644", "G645")},
+    "G70": {"unit": INCH, "feed_unit": None, "unit_programmed": True},
+    "G71": {"unit": MILLIMETRE, "feed_unit": None, "unit_programmed": True},
+    "G700": {"unit": INCH, "feed_unit": INCH, "unit_programmed": True},
+    "G710": {"unit": MILLIMETRE, "feed_unit": MILLIMETRE, "unit_programmed": True},
     "ORIWKS": {"turning": GREAT_CIRCLE, "of_frames": GREAT_CIRCLE},
     "ORIMKS": {"turning": ROTARY, "of_frames": ROTARY},
     **{key: {"turning": GREAT_CIRCLE, "of_axes": GREAT_CIRCLE} for key in ("ORIVECT", "ORIPLANE")},
@@ -135,6 +135,8 @@ MODES_OF_LIMITS = ("DYNNORM", "DYNFINISH", "DYNSEMIFIN", "DYNROUGH", "DYNPREC", 
 DYNAMICS = {
     "SOFT": {"brisk": 0.0},
     "BRISK": {"brisk": 1.0},
+    # less acceleration at high speeds, and no limit of jerk (B2, 2.18); MD35220 = 1 takes the former away
+    "DRIVE": {"brisk": 1.0},
     **{word: {"mode": float(mode)} for mode, word in enumerate(MODES_OF_LIMITS)},
 }
 """What words say of the control's acceleration, as `Moves.drive` takes it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from toolpace.programs.reading.control.control import FARTHEST
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.syntax.blocks import Block
 from toolpace.programs.reading.sinumerik.syntax.values import Memory, Value, real, shown
 
@@ -57,7 +57,7 @@ class Arguments:
             raise BlockError(f"{name} takes at most {most} arguments, not {len(values)}: correct them")
         self.name, self.values = name, values
 
-    def given(self, place: int) -> bool:
+    def has(self, place: int) -> bool:
         """Whether the argument of a place, from 0, is there."""
         return place < len(self.values) and self.values[place] is not None
 

@@ -7,11 +7,11 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.frames.offsets import Offsets, axis_words
 from toolpace.programs.reading.gcode.frames.transforms import Transforms
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 
 class Frames:

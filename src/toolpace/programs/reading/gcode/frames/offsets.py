@@ -9,9 +9,9 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 FrameOf = Callable[[str], tuple[Matrix, tuple[float, ...]]]
 RADII = (12.0, 13.0)
@@ -101,7 +101,7 @@ class Offsets:
         kind, number = numbers.pop("L", 0.0), numbers.pop("P", 0.0)
         if kind in RADII:
             numbers.clear()
-            self.state.told_radii.add(number)
+            self.state.programmed_radii.add(number)
             self.control.findings.ignored(f"{word} L{kind:g}")
             return
         if kind in DATA:

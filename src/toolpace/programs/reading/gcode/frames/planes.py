@@ -12,11 +12,11 @@ from toolpace.programs.reading.control.machine_moves import plane_axis, rotary_f
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix, Vector
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.modal import Modal
 from toolpace.programs.reading.gcode.program.variables import Variables
 from toolpace.programs.reading.gcode.program.words import Handler, Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 STEPS = {2.0: (0.0, 1.0, 2.0, 3.0), 3.0: (1.0, 2.0)}
 """Q of the blocks that tell a plane together, by P: three points, of which Q0 may be left out; two vectors."""

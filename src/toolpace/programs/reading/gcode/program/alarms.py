@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator, Set
 from typing import NamedTuple
 
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.words import NO_EXPONENT
-from toolpace.programs.reading.language.expressions import BlockError
 
 LONGEST_LINE = 252
 """Characters of a line, without its end ("Command too long")."""
@@ -138,13 +138,13 @@ def of_letters(letters: Set[str], words: list[str], in_force: str) -> Iterator[t
     for letter in sorted(letters & USERS.keys()):
         users = USERS[letter]
         if present.isdisjoint(users):
-            told = f"{', '.join(users[:-1])} or {users[-1]}"
+            named = f"{', '.join(users[:-1])} or {users[-1]}"
             if letter == "E":
                 raise BlockError(NO_EXPONENT)
             certain = letter in _OF_TOOLS or (words and in_force not in _CYCLES)
             if not certain or (letter not in _OF_TOOLS and not (present | letters).isdisjoint(_MOVING)):
-                raise BlockError(f"{letter} has no use in this block, it belongs to {told}: remove it")
-            yield letter, Alarm(f"{letter} without a word that uses it", f"it belongs to {told}: remove it")
+                raise BlockError(f"{letter} has no use in this block, it belongs to {named}: remove it")
+            yield letter, Alarm(f"{letter} without a word that uses it", f"it belongs to {named}: remove it")
     for word in words:
         if NEEDED.get(word, "S") not in letters and word in NEEDED:
             yield "", Alarm(f"{word} without {NEEDED[word]}", f"write it like {word} {NEEDED[word]}1")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program import alarms
 from toolpace.programs.reading.gcode.program.alarms import Alarm
 from toolpace.programs.reading.gcode.program.expressions import Grammar, Node, Parser, Reference
@@ -26,7 +27,6 @@ from toolpace.programs.reading.gcode.program.words import (
     without_comments,
     words_behind,
 )
-from toolpace.programs.reading.language.expressions import BlockError
 
 _NUMBERED = re.compile(r"N[ \t]*+([0-9]{1,9})[ \t]*+(?![0-9.])")
 _NUMBERED_BY_PARTS = re.compile(r"N[ \t]*+[0-9]{1,9}(?:\.[0-9]{1,9})?+[ \t]*+(?![0-9.])")

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
 from toolpace.programs.reading.gcode.program.flow import Flow
 from toolpace.programs.reading.gcode.program.variables import Key
 from toolpace.programs.reading.gcode.program.words import Numbers, RefusedError
-from toolpace.programs.reading.language.expressions import BlockError
 
 ARGUMENTS = {
     **dict(zip("ABC", (1, 2, 3))), **dict(zip("DEF", (7, 8, 9))), "H": 11, "M": 13,
@@ -26,7 +26,7 @@ class Modal:
 
     number: str
     times: float
-    given: dict[Key, float | None]
+    local: dict[Key, float | None]
     """Its local variables: they are set once, and stay from call to call."""
     depth: int
     """Programs that were being run where it was asked for: its own motions do not call it."""
@@ -37,7 +37,7 @@ class Missing(NamedTuple):
 
     word: str
     """G65 P9810."""
-    given: dict[Key, float | None]
+    local: dict[Key, float | None]
     """Arguments by variable."""
 
 
@@ -89,24 +89,24 @@ class Calls:
 
     def macro(self, arguments: list[tuple[str, Node]], word: str) -> Missing | None:
         """G65 P L and arguments; what is called where there is no such program."""
-        number, times, given = self._arguments(arguments, word)
+        number, times, local = self._arguments(arguments, word)
         if self.flow.files.find(self.flow.frame.text, number, sub=False) is None:
-            return Missing(f"{word} P{number}", given)
-        self.flow.call(number, times, given)
+            return Missing(f"{word} P{number}", local)
+        self.flow.call(number, times, local)
         return None
 
     def modal_macro(self, arguments: list[tuple[str, Node]], word: str) -> Missing | None:
         """G66 P L and arguments: from now on behind each motion of this program."""
-        number, times, given = self._arguments(arguments, word)
+        number, times, local = self._arguments(arguments, word)
         if self.flow.files.find(self.flow.frame.text, number, sub=False) is None:
-            return Missing(f"{word} P{number}", given)
-        self.modal = Modal(number, times, given, len(self.flow.frames))
+            return Missing(f"{word} P{number}", local)
+        self.modal = Modal(number, times, local, len(self.flow.frames))
         return None
 
     def behind_motion(self) -> None:
         """Run the macro that G66 asked for."""
         if self.modal is not None and len(self.flow.frames) == self.modal.depth:
-            self.flow.call(self.modal.number, self.modal.times, self.modal.given, kept=True)
+            self.flow.call(self.modal.number, self.modal.times, self.modal.local, kept=True)
 
     def modal_off(self, numbers: Numbers, word: str) -> None:
         """G67."""
@@ -114,7 +114,7 @@ class Calls:
 
     def _arguments(self, arguments: list[tuple[str, Node]], word: str) -> tuple[str, float, dict[Key, float | None]]:
         """Number, times and local variables of a call."""
-        given: dict[Key, float | None] = {}
+        local: dict[Key, float | None] = {}
         number, times, last = None, 1.0, 3
         for letter, node in arguments:
             value = value_of(node, self.flow.variables)
@@ -124,14 +124,14 @@ class Calls:
                 times = 1.0 if value is None else value
             elif letter in "IJK":
                 last = self._next(last, "IJK".index(letter))
-                given[last] = value
+                local[last] = value
             elif letter in ARGUMENTS:
-                given[ARGUMENTS[letter]] = value
+                local[ARGUMENTS[letter]] = value
             elif letter not in NO_ARGUMENTS:
                 raise BlockError(f"{letter} is no argument of a macro: remove it")
         if number is None:
             raise BlockError(f"{word} needs the macro's number as P: write it like {word} P1000 A1.5")
-        return str(whole(number, "the number of a macro")), times, given
+        return str(whole(number, "the number of a macro")), times, local
 
     @staticmethod
     def _next(last: int, place: int) -> int:

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from toolpace.common.units import DEGREE
-from toolpace.programs.reading.gcode.program.words import bounded, rounded
-from toolpace.programs.reading.language import expressions
-from toolpace.programs.reading.language.expressions import (
+from toolpace.programs.reading import expressions
+from toolpace.programs.reading.expressions import (
     BlockError,
     TextParser,
     away_from_zero,
@@ -28,6 +27,7 @@ from toolpace.programs.reading.language.expressions import (
     power,
     remainder,
 )
+from toolpace.programs.reading.gcode.program.words import bounded, rounded
 
 if TYPE_CHECKING:
     from toolpace.programs.reading.gcode.program.variables import Variables

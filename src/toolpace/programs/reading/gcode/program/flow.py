@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NoReturn
 
+from toolpace.programs.reading import flow
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import MAIN, CallStack
 from toolpace.programs.reading.gcode.program.expressions import Node, value_of, whole
-from toolpace.programs.reading.gcode.program.layout import Files, Text
-from toolpace.programs.reading.gcode.program.statements import Statement
+from toolpace.programs.reading.gcode.program.statements import Files, Statement, Text
 from toolpace.programs.reading.gcode.program.variables import Key, Variables
-from toolpace.programs.reading.language import flow
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import MAIN, CallStack
 from toolpace.programs.reading.source import Source
 
 DEEPEST = 64.0
@@ -75,20 +74,20 @@ class Flow:
         self,
         name: str,
         times: float = 1.0,
-        given: Locals | None = None,
+        local: Locals | None = None,
         *,
         sub: bool = False,
         kept: bool = False,
     ) -> None:
         """Run a program of a name, so often, with local variables of its own where they are given.
 
-        kept: what it sets of them stays in `given`.
+        kept: what it sets of them stays in `local`.
         """
         found = self.files.find(self.frame.text, name, sub)
         if found is None:
             where = "in this file, nor in a file beside it"
             self.fail(f"O{name} is called, and is not {where}: give it with the program, or write its blocks out")
-        self._enter(*found, times, given, kept=kept)
+        self._enter(*found, times, local, kept=kept)
 
     def call_here(self, number: int, times: float) -> None:
         """Run from a sequence number of this file up to M99."""
@@ -99,18 +98,18 @@ class Flow:
         self._enter(text, line, times, None)
 
     def _enter(
-        self, text: Text, line: int, times: float, given: Locals | None, *, kept: bool = False
+        self, text: Text, line: int, times: float, local: Locals | None, *, kept: bool = False
     ) -> None:
         runs = flow.times(times, "L", MOST_REPEATS, least=0)
         if runs == 0:
             return
         caller = self.frame
         at = caller.called_at or (caller.next if text is not caller.text else 0)
-        frame = Frame(text=text, next=line, begin=line, again=runs - 1, called_at=at, fresh=given)
+        frame = Frame(text=text, next=line, begin=line, again=runs - 1, called_at=at, fresh=local)
         self.frames.enter(frame, "a program")
-        if given is not None:
+        if local is not None:
             frame.at_return.append(partial(setattr, self.variables, "local", self.variables.local))
-            self.variables.local = given if kept else dict(given)
+            self.variables.local = local if kept else dict(local)
 
     def leave(self) -> None:
         """Return from the innermost call; in the main program the end."""
@@ -182,13 +181,13 @@ class Flow:
         most = self.variables.locals_to
         if len(statement.arguments) > most:
             self.fail(f"a call with {len(statement.arguments)} arguments: {most} are the most")
-        given: Locals = dict.fromkeys(range(1, most + 1), 0.0)
+        local: Locals = dict.fromkeys(range(1, most + 1), 0.0)
         for number, node in enumerate(statement.arguments, start=1):
-            given[number] = self.value(node)
+            local[number] = self.value(node)
         name = statement.name
         if statement.number is not None:
             name = str(whole(self.value(statement.number), "the number of a subprogram"))
-        self.call(name, 1.0, given, sub=True)
+        self.call(name, 1.0, local, sub=True)
 
     def _result(self, statement: Statement) -> None:
         returned = statement.value is not None
@@ -217,7 +216,7 @@ class Loops:
     """The loops of a run, and what is kept of those that were left."""
 
     def __init__(self) -> None:
-        self.rounds: dict[tuple[Text, int], int] = {}
+        self.repeats_left: dict[tuple[Text, int], int] = {}
         """Rounds left of each `repeat` that has begun, by its file and line."""
         self.broken = 0
         """Line of a `break` of a `while` loop, which the interpreter takes for one of the next `do` loop; 0: none."""
@@ -257,21 +256,21 @@ class Loops:
     def _begin_repeat(self, text: Text, line: int, value: float) -> int:
         for _, kind in text.layout.left.get(line, []):
             raise BlockError(f"a {kind.lower()} of a repeat loop stands in it: they are of while and do loops")
-        if (text, line) in self.rounds:
+        if (text, line) in self.repeats_left:
             _other("repeat has the rounds that were left when it was left, or called, in its middle")
         if not -MOST_REPEATS <= value <= MOST_REPEATS:
             raise BlockError(f"repeat [{value:g}]: {MOST_REPEATS} rounds are the most")
         times = round(value)  # halves to the even one, as LinuxCNC's `round_to_int`
         if times > 0:
-            self.rounds[text, line] = times
+            self.repeats_left[text, line] = times
             return line + 1
         self.continued = 0
         return text.layout.partner_of(line) + 1
 
     def _end_repeat(self, text: Text, begin: int, line: int) -> int:
-        left = self.rounds.pop((text, begin), 1) - 1
+        left = self.repeats_left.pop((text, begin), 1) - 1
         if left > 0:
-            self.rounds[text, begin] = left
+            self.repeats_left[text, begin] = left
             return begin + 1
         if self.continued:
             _other(f"repeat begins again, for the continue in line {self.continued}")

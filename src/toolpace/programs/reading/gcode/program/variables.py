@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.gcode.program.words import RefusedError, bounded
-from toolpace.programs.reading.language.expressions import BlockError
 
 Key = int | str
 
@@ -32,7 +32,7 @@ class Variables:
 
     def __init__(
         self,
-        given: Mapping[str, float],
+        preset: Mapping[str, float],
         system: Callable[[Key], float | None],
         *,
         locals_to: int,
@@ -46,7 +46,7 @@ class Variables:
         self.system, self.letter, self.free, self.last = system, letter, free, last
         self.locals_to, self.empty_locals, self.system_from = locals_to, empty_locals, system_from
         self.common: dict[Key, float | None] = {0: None} if empty_locals else {}
-        for name, value in given.items():
+        for name, value in preset.items():
             key = name.upper().lstrip(letter + "#").strip("<>")
             self.common[int(key) if key.isdecimal() else key] = value
         self.local: dict[Key, float | None] = {}

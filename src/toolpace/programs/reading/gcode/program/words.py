@@ -14,7 +14,7 @@ from typing import NamedTuple
 from toolpace.common.errors import UsageError
 from toolpace.common.units import INCH
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)"
 _WORD = re.compile(rf"([A-Z])[ \t]*({NUMBER})")

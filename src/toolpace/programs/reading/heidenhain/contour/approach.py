@@ -14,12 +14,12 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING, plane_arc
 from toolpace.programs.reading.compensation.following import leave_here
 from toolpace.programs.reading.control.feed import PER_MINUTE
 from toolpace.programs.reading.control.moves import RAPID
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.circles import POLAR, Circles, Polar
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Step
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.parameters import Value, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import PathWords
 
 _FORM = re.compile(r"(P?)(LT|LN|CT|LCT)(?![A-Z])")
 

@@ -18,12 +18,11 @@ from toolpace.programs.reading.arcs import (
     tangent_centre,
 )
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
-from toolpace.programs.reading.heidenhain.klartext.expressions import evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST
-from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.parameters import LARGEST, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import PathWords
 
 PAIRS = {0b110: 0, 0b101: 1, 0b011: 2}
 """Two of X, Y, Z as bits, to the axis across them."""
@@ -59,13 +58,13 @@ class Circles:
             target, named = self.motion.target(axes)
             if not named:
                 state.pole = self.control.words[:3]
-            elif named.bit_count() == 1 and not state.pole_known:
+            elif named.bit_count() == 1 and not state.pole_is_set:
                 raise BlockError("the first CC names one coordinate, and it takes two of X, Y and Z: write both")
             elif named.bit_count() == 1:
                 self.control.findings.assumed("a CC of one coordinate keeps the other one of the CC before")
             for slot, _, _, _ in axes:
                 state.pole[slot] = target[slot]
-            state.pole_known, state.pole_in = True, self.control.placement
+            state.pole_is_set, state.pole_in = True, self.control.placement
             across = PAIRS.get(named)
             state.pole_across = None if across == state.tool_axis else across
             if named == 7:
@@ -85,7 +84,7 @@ class Circles:
 
     def need_pole(self) -> None:
         """Raises BlockError where no CC came before."""
-        if not self.state.pole_known:
+        if not self.state.pole_is_set:
             raise BlockError("there is no CC before this block: write one, it is the centre and the pole")
         if self.state.pole_in != self.control.placement:
             self.control.findings.assumed(POLE_STAYS)

@@ -17,12 +17,11 @@ from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
 from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for, turn_joints
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import near
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.frames import Frames, spatial
-from toolpace.programs.reading.heidenhain.klartext.expressions import Value, evaluate
-from toolpace.programs.reading.heidenhain.klartext.parameters import LARGEST
-from toolpace.programs.reading.heidenhain.klartext.words import PathWords
+from toolpace.programs.reading.heidenhain.parameters import LARGEST, Value, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.heidenhain.words import PathWords
 
 LENGTHENED = {"R+": 1.0, "R-": -1.0}
 """What makes the way of one axis longer or shorter by the tool's radius."""

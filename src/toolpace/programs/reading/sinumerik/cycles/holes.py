@@ -10,15 +10,15 @@ from toolpace.programs.reading.arcs import PLANE_ACROSS, PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.cycles.strokes import (
     Along,
     Levels,
+    pitch_of,
     stop_distance,
     strokes_by_factor,
     strokes_of,
 )
-from toolpace.programs.reading.sinumerik.cycles.threads import pitch_of
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
 from toolpace.programs.reading.sinumerik.word_values import Arguments
@@ -79,12 +79,12 @@ class Holes:
     def _levels(self, arguments: Arguments) -> Levels:
         unit = self.state.unit
         for place, what in ((0, "RTP, the retraction plane,"), (1, "RFP, the reference plane,")):
-            if not arguments.given(place):
+            if not arguments.has(place):
                 raise BlockError(f"{self.name} lacks {what} its argument {place + 1}: write it")
         back, reference = arguments.number(0) * unit, arguments.number(1) * unit
         safety = abs(arguments.number(2)) * unit
         depth = abs(arguments.number(4)) * unit
-        if not depth and not arguments.given(3):
+        if not depth and not arguments.has(3):
             raise BlockError(f"{self.name} lacks its depth: write DP or DPR, its arguments 4 and 5")
         bottom = reference - depth if depth else arguments.number(3) * unit
         down = -1.0 if bottom <= reference else 1.0
@@ -140,7 +140,7 @@ class Holes:
         unit = self.state.unit
         whole = abs(levels.reference - levels.bottom)
         first = abs(arguments.number(6)) * unit
-        if not first and arguments.given(5):
+        if not first and arguments.has(5):
             down = math.copysign(1.0, levels.bottom - levels.reference)
             first = (arguments.number(5) * unit - levels.reference) * down
             if first < 0.0:
@@ -169,7 +169,7 @@ class Holes:
             clearance=ahead,
             peck_dwell=dwell,
             top_dwell=self._dwell(arguments.number(9)) if clear else 0.0,
-            dwell=self._dwell(arguments.number(15)) if arguments.given(15) else dwell,
+            dwell=self._dwell(arguments.number(15)) if arguments.has(15) else dwell,
         )
 
     def _strokes(self, arguments: Arguments, whole: float, first: float) -> list[float]:
@@ -214,7 +214,7 @@ class Holes:
 
     def _builders_bore(self, arguments: Arguments, levels: Levels) -> None:
         """CYCLE76 mills a rectangular spigot; without its width it cannot, and posts mean a boring cycle by it."""
-        if any(arguments.given(place) for place in range(6, MOST)):
+        if any(arguments.has(place) for place in range(6, MOST)):
             raise Unread("CYCLE76", "cycles that clear areas are not read: let the CAM system write them out")
         self._tolerate(
             "neither width nor radius",

@@ -9,7 +9,7 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.arcs import PLANE_AXES
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import Place, laid_out, on_circle, on_grid
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
 from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
 from toolpace.programs.reading.sinumerik.word_values import Arguments

@@ -1,21 +1,30 @@
-"""The strokes of drilling cycles along one hole, and the depths at which those of CYCLE83 end."""
+"""The motion of a cycle along one hole: strokes and their depths, the pitch of a thread, and CYCLE90 that mills one."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from toolpace.common.units import MILLIMETRE
+from toolpace.common.units import INCH, MILLIMETRE, MINUTE
+from toolpace.programs.reading.arcs import ROUNDING, arc_about, plane_arc
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import MOST_PECKS
 from toolpace.programs.reading.control.feed import INVERSE
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.state import State
+from toolpace.programs.reading.sinumerik.syntax.values import Unread, Value
+from toolpace.programs.reading.sinumerik.word_values import Arguments
 
 TOO_MANY = "CYCLE83 takes more than 10000 strokes, or none: check its depths"
-
-
 SLACK = 1e-9
 """Share of a stroke that rounding may add to a depth, or take from it."""
+COARSE = {
+    3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 8: 1.25, 10: 1.5, 12: 1.75, 14: 2.0, 16: 2.0, 18: 2.5, 20: 2.5, 22: 2.5, 24: 3.0,
+    27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0, 42: 4.5, 45: 4.5, 48: 5.0,
+}  # fmt: skip
+"""Pitch [mm] by nominal diameter [mm]."""
+MOST_TURNS = 10_000
+"""Turns of a thread that is milled: a bound on what a slip of its pitch may ask for, not a rule of the control."""
 
 
 @dataclass(frozen=True)
@@ -110,3 +119,92 @@ def _longer(length: float, other: float) -> bool:
 def stop_distance(whole: float) -> float:
     """How far above the last depth the rapid ends: 0.6 mm to 30 mm of depth, then a fiftieth, at most 7 mm."""
     return 0.6 * MILLIMETRE if whole <= 30.0 * MILLIMETRE else min(whole / 50.0, 7.0 * MILLIMETRE)
+
+
+def metric_pitch(size: float) -> float:
+    """Pitch [m] of the thread M`size`. Raises BlockError."""
+    if size not in COARSE:
+        raise BlockError(f"M{size:g} is no metric size from M3 to M48: write the pitch PIT in place of MPIT")
+    return COARSE[int(size)] * MILLIMETRE
+
+
+def pitch_of(arguments: Arguments, unit: float, *, size: int, pitch: int, kind: int) -> float:
+    """Lead of a thread [m], from the places of its metric size, of the pitch itself, and of what that is told in.
+
+    unit: of lengths [m]. Raises BlockError, Unread.
+    """
+    by_size = abs(arguments.number(size))
+    if not arguments.number(pitch):
+        if by_size:
+            return metric_pitch(by_size)
+        raise BlockError(
+            f"{arguments.name} lacks the pitch of its thread: write MPIT or PIT, argument {size + 1} or {pitch + 1}"
+        )
+    unit_code = arguments.code(kind)
+    if unit_code not in (0, 1, 3):
+        raise Unread(f"{arguments.name} with a pitch in modules or turns per inch", "write it in mm or inch")
+    lead = abs(arguments.number(pitch)) * {0: unit, 1: MILLIMETRE, 3: INCH}[unit_code]
+    if by_size and abs(metric_pitch(by_size) - lead) > ROUNDING:
+        raise BlockError(f"{arguments.name}: MPIT and PIT tell different pitches (alarm 61001): write one of them")
+    return lead
+
+
+def mill_thread(values: list[Value | None], control: Control, state: State, tool_radius: float | None) -> None:
+    """CYCLE90(RTP,RFP,SDIS,DP,DPR,DIATH,KDIAM,PIT,FFR,CDIR,TYPTH,CPA,CPO): over the centre at rapid, down to the
+    safety distance, along a circle to the thread, along the helix, along a circle back to the centre, out.
+
+    tool_radius [m]; None or zero: unknown.
+    """
+    arguments, unit = Arguments("CYCLE90", values, 20), state.unit
+    if not tool_radius:
+        raise Unread("CYCLE90", "it needs the radius of the tool: put it on the set-up sheet (--setup FILE)")
+    if arguments.code(10):
+        raise Unread("CYCLE90 on an outer thread (TYPTH=1)", "its approach is not read: let the CAM write it out")
+    clockwise = {2: True, 3: False}.get(arguments.code(9))
+    pitch, speed = abs(arguments.number(7)) * unit, arguments.number(8) * unit / MINUTE
+    radius = arguments.number(5) * unit / 2.0 - tool_radius
+    if clockwise is None or pitch <= 0.0 or speed <= 0.0 or radius <= 0.01 * MILLIMETRE:
+        raise BlockError("CYCLE90 needs DIATH (above the tool), PIT and FFR above zero, and CDIR 2 or 3: correct them")
+    reference = arguments.number(1) * unit
+    depth = abs(arguments.number(4)) * unit
+    bottom = reference - depth if depth else arguments.number(3) * unit
+    top = reference + abs(arguments.number(2)) * unit
+    back = max(arguments.number(0) * unit, top)
+    if arguments.number(0) * unit < reference:
+        control.findings.assumed("where RTP lies below RFP, CYCLE90 goes back to RFP + SDIS (alarm 61101: raise RTP)")
+    if bottom >= reference or (top - bottom) / pitch > MOST_TURNS:
+        raise BlockError(f"CYCLE90 needs a depth below its reference plane, at most {MOST_TURNS} turns: correct DP")
+    if not len(control.moves):
+        control.begin_here()
+    control.findings.assumed("CYCLE90 comes to the thread and leaves it on half circles from and to its centre")
+    plane = state.plane
+    first, second, up = ((0, 1, 2), (2, 0, 1), (1, 2, 0))[plane]
+
+    def at(a: float, b: float, height: float) -> list[float]:
+        words = list(control.words)
+        words[first], words[second], words[up] = a, b, height
+        return words
+
+    centre = at(arguments.number(11) * unit, arguments.number(12) * unit, top)
+    a, b = centre[first], centre[second]
+    control.straight(at(a, b, control.words[up]), 7, rapid=True)
+    if control.words[up] < back:
+        control.straight(at(a, b, back), 7, rapid=True)
+    control.straight(centre, 7, rapid=True)
+    thread = at(a + radius, b, top)
+    turn = 2.0 * math.pi * (top - bottom) / pitch
+    angle = -turn if clockwise else turn
+    end = at(a + radius * math.cos(angle), b + radius * math.sin(angle), bottom)
+    normal = [0.0, 0.0, 0.0]
+    normal[up] = -1.0 if clockwise else 1.0
+    with control.feed.held(speed):
+        control.arc(thread, 7, plane_arc(centre, thread, _middle(centre, thread), plane, clockwise))
+        helix = arc_about(thread, end, centre, normal)
+        control.arc(end, 7, helix._replace(sweep=turn))
+        middle = at(a, b, bottom)
+        control.arc(middle, 7, plane_arc(end, middle, _middle(end, middle), plane, clockwise))
+    control.straight(at(a, b, back), 7, rapid=True)
+
+
+def _middle(a: list[float], b: list[float]) -> list[float]:
+    return [(x + y) / 2.0 for x, y in zip(a[:3], b[:3])]

@@ -12,7 +12,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import plane_axis, reference, retract, turn_joints, turn_to_plane
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import IDENTITY, Matrix
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.frames import Frames
 from toolpace.programs.reading.sinumerik.orientation import along
 from toolpace.programs.reading.sinumerik.state import State

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol
 
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import CALL, MAIN, CallStack
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import CALL, MAIN, CallStack
 from toolpace.programs.reading.sinumerik.flow.jumps import DEEPEST, Frame, Jumps, times_of
 from toolpace.programs.reading.sinumerik.flow.memory import Store, Variable
 from toolpace.programs.reading.sinumerik.flow.routines import Library, Routine, StructureFault
@@ -185,9 +185,9 @@ class Interpreter:
             if handed is not None and handed.sizes:
                 raise BlockError(f"{name} is one value, and is handed an array: write VAR before its type in PROC")
             variable = self.memory.define(name, kind.removeprefix("VAR "))
-            given = arguments[k] if k < len(arguments) else None
+            argument = arguments[k] if k < len(arguments) else None
             default = flow.values[k]
-            value = given if given is not None or default is None else default(self.memory)
+            value = argument if argument is not None or default is None else default(self.memory)
             if value is not None:
                 variable.set((), value, name)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from toolpace.programs.reading.language import flow as language
-from toolpace.programs.reading.language.expressions import BlockError
-from toolpace.programs.reading.language.flow import CALL, PART, CallStack, times
+from toolpace.programs.reading import flow as language
+from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.flow import CALL, PART, CallStack, times
 from toolpace.programs.reading.sinumerik.flow.memory import Local, Store
 from toolpace.programs.reading.sinumerik.flow.routines import Routine
 from toolpace.programs.reading.sinumerik.syntax.blocks import Flow

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.language.expressions import BlockError, half_away_from_zero
+from toolpace.programs.reading.expressions import BlockError, half_away_from_zero
 from toolpace.programs.reading.sinumerik.syntax.expressions import r_number
 from toolpace.programs.reading.sinumerik.syntax.values import (
     Axis,
@@ -107,14 +107,14 @@ def converted(value: Value, kind: str, name: str) -> Value:
 class Store:
     """All variables that a block can see."""
 
-    def __init__(self, given: Mapping[str, float], system: Callable[[str, tuple[Value, ...]], Value]) -> None:
+    def __init__(self, preset: Mapping[str, float], system: Callable[[str, tuple[Value, ...]], Value]) -> None:
         self.r: dict[int, float] = {}
         self.unit = MILLIMETRE
         self.literals: tuple[float, ...] = ()
-        self.given = {name.upper(): value for name, value in given.items()}
+        self.preset = {name.upper(): value for name, value in preset.items()}
         self.local: Local = {}
         self._system = system
-        for name, value in self.given.items():
+        for name, value in self.preset.items():
             if name[:1] == "R" and name[1:].isdecimal():
                 self.r[int(name[1:][:6])] = value
 
@@ -123,8 +123,8 @@ class Store:
         found = self.local.get(name)
         if found is not None:
             return found.get(index, name)
-        if name in self.given and not index:
-            return self.given[name]
+        if name in self.preset and not index:
+            return self.preset[name]
         raise Unread(name, "it is neither defined here nor on the set-up sheet: write DEF, or name it there")
 
     def letter(self, name: str) -> Value:
@@ -133,8 +133,8 @@ class Store:
 
     def system(self, name: str, index: tuple[Value, ...]) -> Value:
         """A variable of the control. Raises Unread."""
-        if name in self.given:
-            return self.given[name]
+        if name in self.preset:
+            return self.preset[name]
         return self._system(name, index)
 
     def assign(self, name: str, index: tuple[Value, ...], value: Value) -> None:
@@ -144,8 +144,8 @@ class Store:
             return
         found = self.local.get(name)
         if found is None:
-            if name in self.given and not index:
-                self.given[name] = real(value)
+            if name in self.preset and not index:
+                self.preset[name] = real(value)
                 return
             raise Unread(f"{name}=", "it is not defined: write DEF before it, or correct its name")
         found.set(tuple(map(whole, index)), value, name)

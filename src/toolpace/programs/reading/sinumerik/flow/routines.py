@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from toolpace.programs.reading.language.flow import Labels, Nesting
+from toolpace.programs.reading.flow import Labels, Nesting
 from toolpace.programs.reading.sinumerik.syntax.blocks import Line
 from toolpace.programs.reading.sinumerik.syntax.statements import Head, head, line
 from toolpace.programs.reading.source import Source
@@ -16,8 +16,8 @@ SUFFIXES = (".spf", ".SPF", ".mpf", ".MPF", "")
 """Of files that a subprogram is looked for in, beside the program."""
 LARGEST = 16 << 20
 """Most bytes of a subprogram's file."""
-MOST_FILES = 200
-LONGEST_NAME = 64
+MOST_FILES, LONGEST_NAME = 200, 64
+"""Names that are looked for beside a program, and characters of one: bounds on what a program may ask for."""
 _OPENING = re.compile(r"[ \t]*+%_N_([A-Z0-9_.-]+?)(?:_(MPF|SPF))?[ \t]*+(?:;.*)?", re.IGNORECASE)
 _PROCEDURE = re.compile(r"[ \t]*+(?:N[0-9]++[ \t]*+)?PROC[ \t]++([A-Z_][A-Z0-9_]*+)", re.IGNORECASE)
 _WORDS = "IF|ELSE|ENDIF|FOR|ENDFOR|WHILE|ENDWHILE|LOOP|ENDLOOP|REPEAT|UNTIL"
@@ -123,7 +123,7 @@ class Library:
     source: Source
     routines: dict[str, Routine] = field(default_factory=dict)
     main: Routine = field(init=False)
-    looked_for: set[str] = field(default_factory=set)
+    searched: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         found = routines_of(self.source.lines)
@@ -144,16 +144,16 @@ class Library:
         name = name.removeprefix("_N_")
         for ending in ("_SPF", "_MPF", ".SPF", ".MPF"):
             name = name.removesuffix(ending)
-        if name not in self.routines and name not in self.looked_for and len(self.looked_for) < MOST_FILES:
-            self.looked_for.add(name)
-            self._look_beside(name)
+        if name not in self.routines and name not in self.searched and len(self.searched) < MOST_FILES:
+            self.searched.add(name)
+            self._search_beside(name)
         return self.routines.get(name)
 
     def lines_beside(self) -> int:
         """Lines of the routines that stand in other files."""
         return sum(len(routine.lines) for routine in self.routines.values() if routine.file)
 
-    def _look_beside(self, name: str) -> None:
+    def _search_beside(self, name: str) -> None:
         folder = Path(self.source.name).parent
         if len(name) > LONGEST_NAME or not name.replace("_", "").isalnum() or not _is_file(Path(self.source.name)):
             return

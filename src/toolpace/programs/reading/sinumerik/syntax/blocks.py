@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.syntax.expressions import Parser, constant
 from toolpace.programs.reading.sinumerik.syntax.lexer import END, LETTER, NAME, NUMBER, SIGN, TEXT, WORD
 from toolpace.programs.reading.sinumerik.syntax.values import Compiled

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading import expressions
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.language import expressions
-from toolpace.programs.reading.language.expressions import (
+from toolpace.programs.reading.expressions import (
     BlockError,
     ExpressionParser,
     away_from_zero,

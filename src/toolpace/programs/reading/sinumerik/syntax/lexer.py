@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 WORD, LETTER, NAME, SYSTEM, NUMBER, TEXT, SIGN, END = "word", "letter", "name", "$", "number", "text", "sign", "end"
 LONGEST = 4096

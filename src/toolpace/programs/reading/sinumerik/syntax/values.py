@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.language.expressions import BlockError
+from toolpace.programs.reading.expressions import BlockError
 
 
 class Axis(NamedTuple):

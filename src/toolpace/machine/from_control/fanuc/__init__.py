@@ -1,0 +1,1 @@
+"""Fanuc: parameters as the control punches them."""

@@ -1,0 +1,1 @@
+"""Machine data and swivel data of Sinumerik controls."""

@@ -1,0 +1,1 @@
+"""Frames of a word-address program: work offsets, programmable transformations, tilted planes."""

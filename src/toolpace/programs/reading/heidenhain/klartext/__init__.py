@@ -1,1 +1,0 @@
-"""The text of Klartext programs: blocks, words, Q parameters, formulas."""
