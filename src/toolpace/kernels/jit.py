@@ -42,15 +42,13 @@ Settings: Any = compiler.Flags
 PLAIN = (int, float, complex, str, bytes, bool, type(None))
 
 
-def jit(*, reorder: bool = False, inline: bool = False, allocates: bool = True) -> Callable[[F], F]:
+def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
     """Compile to machine code, cached on disk, free of the interpreter lock.
 
     `reorder` lets sums be reassociated and products fused, for loops that shall use vector instructions.
     A nan or an infinity is always seen: the flags that assume their absence are never set.
     `inline` is for the parts of a longer function: they are compiled as part of it only. A caller's machine code holds
     that of all it calls, so that otherwise each level of calls would compile what lies below it once more.
-    `allocates=False` is for functions that make no array and return none: references to arrays are not counted there,
-    which for records of many arrays is most of the code.
     """
     flags: Any = {"reassoc", "contract", "nsz", "arcp"} if reorder else False
 
@@ -60,7 +58,6 @@ def jit(*, reorder: bool = False, inline: bool = False, allocates: bool = True) 
             fastmath=flags,
             error_model="numpy",
             inline="always" if inline else "never",
-            _nrt=allocates,
             no_cfunc_wrapper=True,  # for calls from C: never called, and costs time to compile
         )(function)
         if compiled is not function:  # with NUMBA_DISABLE_JIT it is the function itself

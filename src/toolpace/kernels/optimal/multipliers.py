@@ -80,6 +80,15 @@ def advance(dual: Floats, step: Floats, go: float) -> None:
 
 
 @jit(inline=True)
+def advance_rows(dual: Floats, step: Floats, go: float) -> None:
+    """`advance` of the multipliers of rows in tiles (tiles, r, 2, TILE)."""
+    for t in range(len(dual)):
+        for i in range(dual.shape[1]):
+            advance(dual[t, i, 0], step[t, i, 0], go)
+            advance(dual[t, i, 1], step[t, i, 1], go)
+
+
+@jit(inline=True)
 def in_tiles(rows: Floats, wanted: Bools) -> RowTiles:
     """The rows (points, 2 m, 3) that are wanted (tiles, 2 m) in tiles, states and multipliers still zero."""
     points, count = rows.shape[0], rows.shape[1]

@@ -25,7 +25,6 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers, relaxation_knots
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
@@ -47,6 +46,7 @@ from toolpace.kernels.optimal.multipliers import (
     RowTiles,
     Z,
     advance,
+    advance_rows,
     product_aimed_at,
     set_bounds,
     set_common,
@@ -88,7 +88,7 @@ def relax(
     return bound, best, work.states.wait, number
 
 
-@jit(allocates=False)
+@jit()
 def _improve(
     work: Work, c: Floats, products: int, tolerance: float, enough: float, most_steps: int, bound: float, best: Floats,
     dual: Floats,
@@ -108,7 +108,9 @@ def _improve(
             value, _, _ = dual_value(knots, low, cap, dual)
             if value > bound:
                 bound = value
-                copy(dual.reshape(-1), best.reshape(-1))
+                for p in range(len(dual)):
+                    for i in range(dual.shape[1]):
+                        best[p, i, 0], best[p, i, 1] = dual[p, i, 0], dual[p, i, 1]
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
                 break
             if gap < ROUNDING * tolerance * scale:
@@ -211,8 +213,9 @@ def _go(work: Work, c: Floats, go: float, go_dual: float) -> None:
     at_knots(work.knots.basis, c, states.at)
     for k in range(len(states.wait)):
         states.wait[k] += go * steps.change[k, 3]
-    advance(work.tiles.dual.reshape(-1), work.row_steps.dual.reshape(-1), go_dual)
-    advance(states.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
+    advance_rows(work.tiles.dual, work.row_steps.dual, go_dual)
+    for k in range(len(states.dual)):
+        advance(states.dual[k], steps.dual[k], go_dual)
 
 
 @jit()

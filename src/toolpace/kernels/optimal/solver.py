@@ -27,6 +27,7 @@ from toolpace.kernels.optimal.multipliers import (
     RowSteps,
     RowTiles,
     advance,
+    advance_rows,
     in_tiles,
     product_aimed_at,
     rows_in,
@@ -82,7 +83,7 @@ def maximise_speed(
     return c, status, number, gap, residual
 
 
-@jit(allocates=False)
+@jit()
 def _improve(
     points: PointRows, ends: Ends, c: Floats, tau: float, tiles: RowTiles, caps: Caps, steps: RowSteps, system: System,
     gradient: Floats, spread: float, tolerance: float, most_steps: int,
@@ -111,8 +112,9 @@ def _improve(
             return BROKEN, number, gap / time, residual / time
         for i in range(len(c)):
             c[i] += go * system.direction[i]
-        advance(tiles.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
-        advance(caps.dual.reshape(-1), caps.step.reshape(-1), go_dual)
+        advance_rows(tiles.dual, steps.dual, go_dual)
+        for t in range(len(caps.dual)):
+            advance(caps.dual[t], caps.step[t], go_dual)
         tau *= 1.0 - go
         solver_rows.states(points, c, caps, tau, tiles.at)
     return STALLED, most_steps, gap / time, residual / time
