@@ -1,4 +1,4 @@
-"""Utilisation of the limits by a motion: value over limit, by joint and kind."""
+"""Joint motion from a path and states (s, ds/dt, ...) on it, and its utilisation of the limits."""
 
 from __future__ import annotations
 
@@ -7,11 +7,47 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Bools, Floats
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(ByValue):
+    """Joint positions and three time derivatives [m or rad, s]: (joints,) at one time, (n, joints) at n times."""
+
+    q: Floats
+    """Positions."""
+    qd: Floats
+    """Velocities."""
+    qdd: Floats
+    """Accelerations."""
+    qddd: Floats
+    """Jerks."""
+
+    def __repr__(self) -> str:
+        times = "one time" if self.q.ndim == 1 else f"{len(self.q)} times"
+        return one_line(self, f"of {self.q.shape[-1]} joints at {times}")
+
+
+def joint_motion(path: Floats, state: Floats) -> Motion:
+    """The chain rule: path derivatives (4, n, joints) and a state (4, n) of s give the motion of the joints."""
+    motion = Motion(*(np.empty(path.shape[1:]) for _ in range(4)))
+    put_joint_motion(path, state, motion, slice(None))
+    return motion
+
+
+def put_joint_motion(path: Floats, state: Floats, motion: Motion, rows: slice | Bools) -> None:
+    """The same, put into some rows of a motion."""
+    q, q1, q2, q3 = path
+    v, a, j = (state[i][:, None] for i in (1, 2, 3))
+    motion.q[rows] = q
+    motion.qd[rows] = q1 * v
+    motion.qdd[rows] = q2 * v**2 + q1 * a
+    motion.qddd[rows] = q3 * v**3 + 3.0 * q2 * v * a + q1 * j
+
 
 LEAST_JUMP = 1e-6
 """Jump of an acceleration, as a share of its limit, below which it is rounding."""

@@ -16,7 +16,7 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, reason
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.machine.machine import Machine
-from toolpace.motion.files.set_point_files import read_set_points
+from toolpace.motion.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.reading import ReadOptions, Source
