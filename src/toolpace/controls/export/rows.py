@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
-from toolpace.controls.export.motion import PlannedMotion
+from toolpace.controls.export.target import PlannedMotion
 from toolpace.motion.setpoints import SetPoints
 
 WHOLE = 1e-9
