@@ -54,6 +54,12 @@ AS_SAID = (
     "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
+ROUNDING = 2e-14
+"""Of setpoints.csv: relative rounding of fifteen digits, and of the change of units."""
+CHUNK = 50_000
+"""Rows of setpoints.csv that are read at once, to keep memory low."""
+COLUMNS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
+"""Of setpoints.csv: what its headings add to a joint's name and unit, and the field of `SetPoints` for each."""
 
 
 def told_tolerances(text: str, *, tip: bool) -> Tolerances:
@@ -246,13 +252,6 @@ class Figures:
             if not near.min() <= block <= near.max() or block not in every:
                 bad = f"block {place['block']} is not passed at {start:g} s"
         return [wrong("open_places", bad or f"{len(places)} places", not bad)]
-
-
-ROUNDING = 2e-14
-"""Relative rounding of fifteen digits, and of the change of units."""
-CHUNK = 50_000
-"""Rows that are read at once, to keep memory low."""
-COLUMNS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
 
 
 def with_table(found: Verification, path: Path, points: SetPoints, machine: Machine) -> Verification:

@@ -27,6 +27,12 @@ TURN_PER_MINUTE = {"deg": 1.0 / 6.0, "rad": 30.0 / math.pi}
 
 Line = tuple[str, str]
 """What is written, and what explains it."""
+STEP = 0.1
+"""How far a linear joint goes in a pose [m]."""
+TURNS = (30 * DEGREE, 90 * DEGREE)
+"""How far a rotary joint turns in a pose [rad]; the other way where travel does not reach."""
+LESS = (1.0, 0.5, 0.2)
+"""Of that step for each linear joint where all move: no two alike, so that none is taken for another."""
 
 
 def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
@@ -184,14 +190,6 @@ def _laid_out(lines: list[Line]) -> Iterator[str]:
 def listed(names: Iterable[str]) -> str:
     """A TOML array of strings."""
     return toml_value(list(names))
-
-
-STEP = 0.1
-"""How far a linear joint goes [m]."""
-TURNS = (30 * DEGREE, 90 * DEGREE)
-"""How far a rotary joint turns [rad]; the other way where travel does not reach."""
-LESS = (1.0, 0.5, 0.2)
-"""Of that step for each linear joint where all move: no two alike, so that none is taken for another."""
 
 
 def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:

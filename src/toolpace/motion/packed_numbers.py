@@ -30,6 +30,8 @@ AS_THEY_ARE = 1 << 14
 """In place of an exponent: the numbers are on no grid, and their bits are taken."""
 _LEVEL, _WINDOW, _MEMORY = 6, 15, 9
 """Of zlib; with runs only the level says nothing."""
+STRETCH = 64
+"""Pieces in a row of which each is predicted by the one before."""
 
 
 class DamagedError(ValueError):
@@ -105,10 +107,6 @@ def unpack(data: bytes, rows: int, columns: int, exponents: int) -> tuple[list[I
         folded = octets.view("<u8").ravel().astype(np.uint64, copy=False)
         found.append((folded >> np.uint64(1)).view(np.int64) ^ -(folded & np.uint64(1)).view(np.int64))
     return found, np.frombuffer(content, "<i2", exponents).tolist()
-
-
-STRETCH = 64
-"""Pieces in a row of which each is predicted by the one before."""
 
 
 def left_of_splines(coefficients: Floats, lengths: Floats) -> Ints:

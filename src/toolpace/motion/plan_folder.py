@@ -32,6 +32,10 @@ SHORTEST = 1e-3
 """Share of a time step below which the last one is a part of that before it: a plan ends between two set-points."""
 SEEN = 1e-6
 """Joint motion by which the motion of the tip is seen [m or rad]."""
+PLAN, MACHINE, CONTROLLER, SETUP = (
+    "plan.json", "machine.toml", "controller.toml", "setup.toml",
+)  # fmt: skip
+"""Names of the files in a plan's folder."""
 
 
 class RecordedRun(QuinticAxisRun):
@@ -101,12 +105,6 @@ def feeds_of(block: Ints, toolpath: ToolPath | None) -> Floats:
     np.minimum.at(lowest, which, np.where(toolpath.rapid, np.inf, toolpath.feed))
     at = np.clip(np.searchsorted(lines, block), 0, len(lines) - 1)
     return np.where(lines[at] == block, lowest[at], np.inf)
-
-
-PLAN, MACHINE, CONTROLLER, SETUP = (
-    "plan.json", "machine.toml", "controller.toml", "setup.toml",
-)  # fmt: skip
-"""Names of the files in it."""
 
 
 class PlanFolder(NamedTuple):

@@ -61,6 +61,19 @@ REACH = (0, 3, 1, 2)
 """Rows before and behind that a prediction takes."""
 _LARGEST = 2.0**62
 """A prediction beyond is none."""
+MAGIC = b"toolpace set-points 1\n"
+LONGEST_HEAD = 1 << 16
+"""Most bytes of the line of JSON."""
+FULL_FILE, COMPACT_FILE, MACHINE = "setpoints.npz", "setpoints.compact", "machine.toml"
+"""Names of the files."""
+FORMS = ("auto", "full", "compact", "no")
+"""How set-points are written; auto: in full where that is small."""
+OLD_WORDS = {"all": "full", "none": "no", True: "full", False: "no"}
+"""What was said before, and is still understood."""
+SMALL = 20e6
+"""Most bytes of a file that auto writes in full."""
+ROUGHLY = 0.5
+"""Bytes of the compact file for each number of a row of the full one, as measured on long programs: 0.3 to 0.4."""
 
 
 def residuals(jets: Floats, dt: float) -> tuple[list[Ints], list[int]]:
@@ -112,11 +125,6 @@ def predicted(jets: Floats, kind: int, dt: float, exponent: int) -> Ints:
         found = np.rint(found * 2.0**-exponent)
         guess[reach : count - reach] = np.where(np.abs(found) < _LARGEST, found, 0.0)
     return guess
-
-
-MAGIC = b"toolpace set-points 1\n"
-LONGEST_HEAD = 1 << 16
-"""Most bytes of the line of JSON."""
 
 
 class CompactWriter:
@@ -278,18 +286,6 @@ def _times(dt: float, rows: slice) -> Floats:
     """(n,) times of rows of set-points that begin at zero [s]."""
     times: Floats = dt * np.arange(rows.start, rows.stop, dtype=np.float64)
     return times
-
-
-FULL_FILE, COMPACT_FILE, MACHINE = "setpoints.npz", "setpoints.compact", "machine.toml"
-"""Names of the files."""
-FORMS = ("auto", "full", "compact", "no")
-"""How set-points are written; auto: in full where that is small."""
-OLD_WORDS = {"all": "full", "none": "no", True: "full", False: "no"}
-"""What was said before, and is still understood."""
-SMALL = 20e6
-"""Most bytes of a file that auto writes in full."""
-ROUGHLY = 0.5
-"""Bytes of the compact file for each number of a row of the full one, as measured on long programs: 0.3 to 0.4."""
 
 
 def form_named(name: str, value: str | bool) -> str:

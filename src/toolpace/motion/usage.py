@@ -17,6 +17,25 @@ from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion.laws import Probe, TimeLaw
 from toolpace.path.axis_run import AxisRun
 
+LEAST_JUMP = 1e-6
+"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
+CHUNK = 100_000
+"""Jumps that are worked out at once, to keep memory low."""
+IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
+"""Where it is looked at between two hints of a run, as shares of the stretch."""
+UNTOLD_SHARE = 1e-3
+"""Share of a limit that the path may ask for between two states beyond what both tell."""
+LEAST_CHANGES = (1e-12, 1e-9, 1e-6)
+"""Changes of position, velocity and acceleration that are let pass between two places, as shares of what a joint gains
+while its acceleration builds up at the jerk limit: a^3 / j^2, a^2 / j, a. Numbers hold no path together better."""
+SHORTEST = 1e-12
+"""Gap that is not halved any more, as a share of the run."""
+MOST_PLACES = 20_000
+"""Places between the states of a probe after which no more are looked at: noise is not chased for ever."""
+HIGHER = 1e-5
+"""Height of a top over the highest of three states from which it is looked at, and not only reckoned."""
+TOPS = np.linspace(0.0, 1.0, 10)[1:-1]
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(ByValue):
@@ -51,12 +70,6 @@ def put_joint_motion(path: Floats, state: Floats, motion: Motion, rows: slice | 
     motion.qd[rows] = q1 * v
     motion.qdd[rows] = q2 * v**2 + q1 * a
     motion.qddd[rows] = q3 * v**3 + 3.0 * q2 * v * a + q1 * j
-
-
-LEAST_JUMP = 1e-6
-"""Jump of an acceleration, as a share of its limit, below which it is rounding."""
-CHUNK = 100_000
-"""Jumps that are worked out at once, to keep memory low."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,22 +122,6 @@ def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.boo
         size = np.abs(run.evaluate(s[i : i + CHUNK])[1]) * jump[i : i + CHUNK, None]
         marks |= (size > noise).any(axis=0)
     return marks & np.isfinite(limits.jerk)
-
-
-IN_A_STRETCH = np.arange(0.5, 8.0) / 8.0
-"""Where it is looked at between two hints of a run, as shares of the stretch."""
-UNTOLD_SHARE = 1e-3
-"""Share of a limit that the path may ask for between two states beyond what both tell."""
-LEAST_CHANGES = (1e-12, 1e-9, 1e-6)
-"""Changes of position, velocity and acceleration that are let pass between two places, as shares of what a joint gains
-while its acceleration builds up at the jerk limit: a^3 / j^2, a^2 / j, a. Numbers hold no path together better."""
-SHORTEST = 1e-12
-"""Gap that is not halved any more, as a share of the run."""
-MOST_PLACES = 20_000
-"""Places between the states of a probe after which no more are looked at: noise is not chased for ever."""
-HIGHER = 1e-5
-"""Height of a top over the highest of three states from which it is looked at, and not only reckoned."""
-TOPS = np.linspace(0.0, 1.0, 10)[1:-1]
 
 
 def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tuple[Floats, Floats, Floats]:

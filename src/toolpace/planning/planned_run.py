@@ -17,6 +17,9 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.limit_tolerances import PROMISED
 
+WORTH_NAMING = 0.01
+"""Least share of what is open in all runs together from which a place is named: a hundred of them would be no help."""
+
 
 @dataclass(frozen=True)
 class EndState:
@@ -60,10 +63,6 @@ def check_state(run: AxisRun, limits: Limits, state: EndState, s: float, orders:
             f"end state at {run.place(s)}: takes {ratios.max():.4g} of {names[int(ratios.argmax())]};"
             " start or end slower"
         )
-
-
-WORTH_NAMING = 0.01
-"""Least share of what is open in all runs together from which a place is named: a hundred of them would be no help."""
 
 
 @dataclass(frozen=True)

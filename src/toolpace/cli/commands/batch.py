@@ -37,6 +37,33 @@ LOOK = 1.0
 """Time between two looks at what runs now [s]."""
 RUNNING, SHOWN = 8, 40
 """Jobs that are named while they run, and rows that are shown when all is done; batch.html has all."""
+ProgramsOrJobs = Annotated[
+    list[str],
+    Parameter(help="Programs, folders of programs, patterns of names, or one file of jobs (.toml)."),
+]
+What = Annotated[
+    str,
+    Parameter(
+        help="plan. time: on its control, and the optimum. inspect. export: plan, and write files for a control."
+    ),
+]
+Machines = Annotated[
+    list[str],
+    Parameter(
+        name=["--machine", "-m"],
+        negative="",
+        help="Built-in machine or machine file; may be given several times: each program is planned on each.",
+    ),
+]
+Target = Annotated[str | None, Parameter(name="--to", help="With --what export: the target, as for `toolpace export`.")]
+Out = Annotated[
+    str, Parameter(name=["--out", "-o"], help="Folder for all jobs; a batch that was stopped there continues.")
+]
+Memory = Annotated[
+    str | None, Parameter(help="Memory of each worker that is started, like 4GB; by default an equal share.")
+]
+NO_MACHINES: list[str] = []
+"""Nothing was given."""
 
 
 def run_jobs(jobs: Sequence[BatchJob], out: str, where: str | int | None, memory: str | None) -> int:
@@ -156,33 +183,6 @@ def _show(console: Console, done: Batch) -> None:
     _say(console, "written", f"{done.folder}: {', '.join(done.files)}")
 
 
-ProgramsOrJobs = Annotated[
-    list[str],
-    Parameter(help="Programs, folders of programs, patterns of names, or one file of jobs (.toml)."),
-]
-What = Annotated[
-    str,
-    Parameter(
-        help="plan. time: on its control, and the optimum. inspect. export: plan, and write files for a control."
-    ),
-]
-Machines = Annotated[
-    list[str],
-    Parameter(
-        name=["--machine", "-m"],
-        negative="",
-        help="Built-in machine or machine file; may be given several times: each program is planned on each.",
-    ),
-]
-Target = Annotated[str | None, Parameter(name="--to", help="With --what export: the target, as for `toolpace export`.")]
-Out = Annotated[
-    str, Parameter(name=["--out", "-o"], help="Folder for all jobs; a batch that was stopped there continues.")
-]
-Memory = Annotated[
-    str | None, Parameter(help="Memory of each worker that is started, like 4GB; by default an equal share.")
-]
-
-
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Each:
@@ -213,8 +213,6 @@ class Each:
 
 
 AS_USUAL = Each()
-NO_MACHINES: list[str] = []
-"""Nothing was given."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,11 @@ from toolpace.programs.toolpath import ToolPath
 
 AXIS = 0.1
 """Length [m] by which a change of the tool axis is weighed against one of the tip."""
+_ENDS = re.compile(r"(\r\n|\r|\n)")
+_MARK = b"\xef\xbb\xbf"
+"""Of UTF-8, which some editors put before the text."""
+FIGURES = 6
+"""Significant figures of an F."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +111,6 @@ def pose(tip: Floats, axis: Floats) -> Floats:
     """(n, 6) tip and tool axis as one place [m]."""
     place: Floats = np.hstack([tip, AXIS * axis])
     return place
-
-
-_ENDS = re.compile(r"(\r\n|\r|\n)")
-_MARK = b"\xef\xbb\xbf"
-"""Of UTF-8, which some editors put before the text."""
-FIGURES = 6
-"""Significant figures of an F."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,10 @@ whose third derivative stays within 1 of some value (Peano's kernel, worked out 
 CYCLES = (1e-6, 1.0)
 """Between which the cycles of controls lie [s]: the fastest current loops take some 10 us, and what is told where to be
 less than once a second is not led along a path."""
+SAME = 2
+"""Time steps within which a tool change by name and one by length are one."""
+NAMED = 5
+"""Tool changes that a message names."""
 
 
 @dataclass(frozen=True)
@@ -157,12 +161,6 @@ def _shown(value: object) -> str:
         return repr(value)[:40]
     ordinary = math.isfinite(value) and 1e-4 <= abs(value) < 1e6
     return format_time(value) if ordinary else f"{value:.6g} s"
-
-
-SAME = 2
-"""Time steps within which a change by name and one by length are one."""
-NAMED = 5
-"""Changes that a message names."""
 
 
 @dataclass(frozen=True, eq=False)

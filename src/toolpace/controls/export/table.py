@@ -17,6 +17,15 @@ from toolpace.controls.export.column_units import Scale, refuse_coarse, scale_of
 from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every, tool_changes
 from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance, start_in_words
 
+COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")
+"""What a table can hold: time, joints and their derivatives, tip and tool axis in the workpiece frame, line number."""
+USUAL = ("t", "q", "qd", "qdd", "block")
+"""Positions, and velocities and accelerations as feed-forward."""
+FORMATS = ("csv", "parquet")
+ROUNDING = 2e-14
+"""Relative rounding of fifteen digits, and of the change of units."""
+_RATES = {"q": ("", ""), "qd": (" velocity", "/s"), "qdd": (" acceleration", "/s2"), "qddd": (" jerk", "/s3")}
+
 
 @dataclass(frozen=True)
 class Column:
@@ -117,16 +126,6 @@ def read_parquet(file: Path, columns: Sequence[Column]) -> Iterator[Floats]:
                 yield np.column_stack([np.asarray(each, dtype=np.float64) for each in table.columns])
     except (pa.ArrowException, OSError) as error:
         raise VerificationError(f"{file.name}: cannot be read back ({error}); nothing was written") from None
-
-
-COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")
-"""What a table can hold: time, joints and their derivatives, tip and tool axis in the workpiece frame, line number."""
-USUAL = ("t", "q", "qd", "qdd", "block")
-"""Positions, and velocities and accelerations as feed-forward."""
-FORMATS = ("csv", "parquet")
-ROUNDING = 2e-14
-"""Relative rounding of fifteen digits, and of the change of units."""
-_RATES = {"q": ("", ""), "qd": (" velocity", "/s"), "qdd": (" acceleration", "/s2"), "qddd": (" jerk", "/s3")}
 
 
 @dataclass(frozen=True, kw_only=True)

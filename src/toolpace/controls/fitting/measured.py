@@ -50,6 +50,24 @@ _TIME_AT_END = re.compile(
     rf"(?:\s*{_FIGURE}\s*(?:m(?:in(?:utes?)?)?\.?|s(?:ec(?:onds?)?)?\.?)){{0,2}})\s*[;,]*\s*$",
     re.IGNORECASE,
 )
+TIMES = ("t", "time")
+"""Headings of the column of times in a log."""
+LEAST_ROWS = 20
+STEADY = 0.2
+"""Most share by which times between rows may differ from their median."""
+STILL = 1e-9
+"""Way of an axis [m, rad] that is none."""
+CERTAIN = 6.0
+"""Standard deviations of noise beyond which an axis moves."""
+SPANS = (1, 2, 3, 5, 8, 13, 21)
+"""Rows between which accelerations are differences: more where the log is noisy."""
+KEPT_UP = 3
+"""Rows over which an acceleration is kept up that counts."""
+NOISE = 0.02
+"""Most of an acceleration that may be noise."""
+TOP, RAMP, FLAT = 0.96, 0.3, 0.3
+"""Above TOP of the largest acceleration a ramp is at its top, above RAMP it is a ramp; FLAT of it is flat where a limit
+is reached. Of a triangle 6 percent are, of half a sine wave 22."""
 
 
 @dataclass(frozen=True)
@@ -109,25 +127,6 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
     if not found:
         raise UsageError(f"--fit {path}: there is no time in it; write an operation and its time: Pocket, 1:23")
     return found
-
-
-TIMES = ("t", "time")
-LEAST_ROWS = 20
-STEADY = 0.2
-"""Most share by which times between rows may differ from their median."""
-STILL = 1e-9
-"""Way of an axis [m, rad] that is none."""
-CERTAIN = 6.0
-"""Standard deviations of noise beyond which an axis moves."""
-SPANS = (1, 2, 3, 5, 8, 13, 21)
-"""Rows between which accelerations are differences: more where the log is noisy."""
-KEPT_UP = 3
-"""Rows over which an acceleration is kept up that counts."""
-NOISE = 0.02
-"""Most of an acceleration that may be noise."""
-TOP, RAMP, FLAT = 0.96, 0.3, 0.3
-"""Above TOP of the largest acceleration a ramp is at its top, above RAMP it is a ramp; FLAT of it is flat where a limit
-is reached. Of a triangle 6 percent are, of half a sine wave 22."""
 
 
 @dataclass(frozen=True)

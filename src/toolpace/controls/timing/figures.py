@@ -25,6 +25,17 @@ Share = Annotated[float, msgspec.Meta(ge=0.0, le=0.95)]
 Ratio = Annotated[float, msgspec.Meta(ge=0.01, le=100.0)]
 TimeConstant = Annotated[float, msgspec.Meta(ge=0.0, le=10.0)]
 Figure = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
+MODELS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal")
+FORMER_MODELS = {"fir": "heidenhain or fanuc, which filter as their makers say, or lookahead"}
+"""Models of former versions, and what to take in their place."""
+USUAL_TOLERANCE = 0.01
+"""[mm]"""
+Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
+Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
+Factor = Annotated[float, msgspec.Meta(ge=1.0, le=1e3)]
+Ends = Annotated[list[float], msgspec.Meta(min_length=2, max_length=2)]  # msgspec 0.22 crashes at a tuple in a union
+Spread = Factor | Ends
+"""How uncertain a figure is: it lies between a part and a multiple of itself by this factor, or between two ends."""
 
 
 class SinumerikFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -117,19 +128,6 @@ class LinuxCNCFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """MAX_LINEAR_JERK [mm/s^3], by which arcs and roundings are slowed; 0: the greatest of X, Y and Z (assumption)."""
     peak_scale: Annotated[float, msgspec.Meta(ge=0.1, le=1.0)] = 1.0
     """SCURVE_PEAK_SCALE."""
-
-
-MODELS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal")
-FORMER_MODELS = {"fir": "heidenhain or fanuc, which filter as their makers say, or lookahead"}
-"""Models of former versions, and what to take in their place."""
-USUAL_TOLERANCE = 0.01
-"""[mm]"""
-Positive = Annotated[float, msgspec.Meta(ge=1e-4, le=1e9)]
-Time = Annotated[float, msgspec.Meta(ge=0.0, le=3600.0)]
-Factor = Annotated[float, msgspec.Meta(ge=1.0, le=1e3)]
-Ends = Annotated[list[float], msgspec.Meta(min_length=2, max_length=2)]  # msgspec 0.22 crashes at a tuple in a union
-Spread = Factor | Ends
-"""How uncertain a figure is: it lies between a part and a multiple of itself by this factor, or between two ends."""
 
 
 class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -29,6 +29,9 @@ COARSE = {
 """Pitch [mm] by nominal diameter [mm]."""
 MOST_TURNS = 10_000
 """Turns of a thread that is milled: a bound on what a slip of its pitch may ask for, not a rule of the control."""
+MOST = 10_000
+"""Holes of a pattern."""
+NEARER_END = "HOLES1 begins at the end of its row that is nearer to the tool (Programming Guide Cycles)"
 
 
 @dataclass(frozen=True)
@@ -212,11 +215,6 @@ def mill_thread(values: list[Value | None], control: Control, state: State, tool
 
 def _middle(a: list[float], b: list[float]) -> list[float]:
     return [(x + y) / 2.0 for x, y in zip(a[:3], b[:3])]
-
-
-MOST = 10_000
-"""Holes of a pattern."""
-NEARER_END = "HOLES1 begins at the end of its row that is nearer to the tool (Programming Guide Cycles)"
 
 
 def places(name: str, values: list[Value | None], control: Control, state: State) -> Iterator[list[float]]:
