@@ -156,6 +156,6 @@ def _write_direction(writer: _Writer, direction: np.ndarray, base: int, on_table
     writer.path(base + 3, str(sense))
 
 
-def without_lines(text: str, number: int) -> str:
-    """A text without the lines of a parameter."""
-    return re.sub(rf"^N{number:05d}.*\n", "", text, flags=re.MULTILINE)
+def without_lines(text: str, *numbers: int) -> str:
+    """A text without the lines of some parameters."""
+    return re.sub(rf"^N({'|'.join(f'{number:05d}' for number in numbers)})[^0-9].*\n", "", text, flags=re.MULTILINE)

@@ -247,3 +247,21 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
             assert "\n" not in str(error) and len(str(error)) < 500
             outcomes["refused"] += 1
     assert min(outcomes.values()) > 10
+
+
+def test_a_vector_that_is_not_punched_is_asked_for_and_half_of_one_is_refused(tmp_path):
+    text = without_lines(parameters_text(TRUNNION), 19700, 19701, 19702)
+    asked = [each.what for each in _read(tmp_path, text).stand_ins]
+    assert asked == ["N19700 to N19702, from machine zero to the table's first axis [mm]"]
+    draft = _read(tmp_path, text, Answers(lambda question: "1, 2, 3"))
+    assert draft.record.joints["A"]["point"].value == (1.0, 2.0, 3.0)
+    with pytest.raises(ControlFileError, match=r"N19700 L1 is there without all of N19700 to N19702"):
+        _read(tmp_path, without_lines(parameters_text(TRUNNION), 19701))
+
+
+def test_axes_that_are_changed_over_are_told(tmp_path):
+    changes = {19681: "N19681Q1L1P5", 19686: "N19686Q1L1P4"}
+    remarks = _read(tmp_path, parameters_text(TRUNNION, changes=changes)).record.remarks
+    found = [remark.partition(" of its letter")[0] for remark in remarks]
+    assert found == ["C turns across the direction", "A turns across the direction"]
+    assert not _read(tmp_path, parameters_text(TRUNNION)).record.remarks

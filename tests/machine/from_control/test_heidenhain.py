@@ -137,6 +137,9 @@ def test_a_machine_without_kinematics_is_asked_about(tmp_path):
     columns = [expected.joints.index(name) for name in draft.machine.joints]
     assert draft.machine.forward(q[:, columns])[0] == pytest.approx(expected.forward(q)[0], abs=1e-12)
     assert any("MP7510.0 and following" in remark for remark in draft.record.remarks)
+    model = OBJECTS[: OBJECTS.index("CfgKin")] + 'CfgKinModel( key:="K1", axesToolSide:=["X","Y","Z","B"] )'
+    remarks = _read(tmp_path, model).record.remarks
+    assert any("CfgKinModel K1, the kinematics by vectors, is not read" in remark for remark in remarks)
 
 
 def test_jerk_is_the_axis_own_or_the_paths_or_the_guide_value(tmp_path):
@@ -238,3 +241,10 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
             assert "\n" not in str(error) and len(str(error)) < 500
             outcomes["refused"] += 1
     assert min(outcomes.values()) > 10
+
+
+def test_a_row_of_kinematics_without_its_number_is_refused(tmp_path):
+    row = next(line for line in TABLE.splitlines() if "Trans" in line)
+    for odd in ("1b Trans A 45", row.lstrip("0123456789 ")):
+        with pytest.raises(ControlFileError, match=r"1.txt:\d+: .* is no row with NR, KEY, AXIS and COORD"):
+            _read(tmp_path, PARAMETERS, TABLE.replace(row, f"{odd}\n{row}", 1))

@@ -30,7 +30,7 @@ def _files(folder: Path, ini: bytes, hal: bytes = HAL.encode()) -> Path:
 HOSTILE = {
     "nothing": (b"", "no file of a control"),
     "binary": (bytes(range(256)) * 50, "is not text"),
-    "UTF-16": (INI.encode("utf-16"), "is not text"),
+    "UTF-16 without its mark": (INI.encode("utf-16-le"), "is not text"),
     "an include of itself": (INI.encode() + b"#INCLUDE mill.ini\n", "goes round in a circle"),
     "an include of nothing": (INI.encode() + b"#INCLUDE  \n", "a file without a name is not there"),
     "a device": (INI.encode() + b"#INCLUDE /dev/zero\n", "/dev/zero is not there"),
@@ -70,8 +70,9 @@ def test_pins_that_feed_each_other_and_files_that_source_themselves_end(tmp_path
     assert "5axiskins.pivot-length [mm]" in [question.what for question in draft.stand_ins]
 
 
-def test_comments_in_another_code_page_are_no_fault(tmp_path):
-    machine = read_control([_files(tmp_path, INI.replace("test mill", "Fräse").encode("latin-1"))]).machine
+@pytest.mark.parametrize("code", ["latin-1", "utf-8-sig", "utf-16"])
+def test_files_in_another_code_page_are_no_fault(code, tmp_path):
+    machine = read_control([_files(tmp_path, INI.replace("test mill", "Fräse").encode(code))]).machine
     assert machine.name == "Fräse"
 
 

@@ -98,10 +98,13 @@ def test_joints_of_the_real_kinematics_are_those_of_the_machine_that_was_read(ca
     joints = log.of(machine.joints)
     numbers = [number for number, line in enumerate(program.splitlines(), 1) if line.startswith("G1")]
     # a move ends in the last cycle before the next begins, after its pause
-    starts = [int(np.flatnonzero(log.line == number)[0]) for number in numbers]
-    rests = joints[[start - 1 for start in starts[1:]]]
+    ends = np.array([int(np.flatnonzero(log.line == number)[0]) for number in numbers[1:]]) - 1
+    # on a busy computer LinuxCNC may count a pause from before the move: the next then follows without a rest
+    still = (joints[ends] == joints[ends - 1]).all(axis=1)
+    assert still.sum() >= POSES - 5
+    rests, poses = joints[ends[still]], poses[still]
     length = TOOL * MILLIMETRE if case.switched else 0.0
-    tip, _ = machine.forward(rests, np.full(POSES, length))
+    tip, _ = machine.forward(rests, np.full(len(rests), length))
     order = [machine.joints.index(name) for name in turning]
     assert np.abs(tip - poses[:, :3] * MILLIMETRE).max() < NEAR
     assert np.abs(rests[:, order] - poses[:, 3:] * DEGREE).max() < NEAR

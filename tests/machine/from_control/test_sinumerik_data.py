@@ -71,6 +71,11 @@ def test_several_files_and_channels(tmp_path):
     draft = read_control(files)
     assert not draft.stand_ins and draft.machine.kind == "table-table"
     assert "Channel 1 is read; channels 2 are not." in draft.record.remarks
+    for idle in (0, 256):  # no transformation, TRANSMIT
+        lathe = ["CHANDATA(1)", f"$MC_TRAFO_TYPE_1={idle}", '$MC_AXCONF_CHANAX_NAME_TAB[0]="Q"']
+        (tmp_path / "channels.tea").write_text("\n".join([*lathe, "CHANDATA(2)", *channel]))
+        draft = read_control(files)
+        assert draft.machine.kind == "table-table" and "Channel 2 is read; channels 1 are not." in draft.record.remarks
     own = [line.replace("]=", ",CH1]=", 1) if "$MC_" in line and "]" in line else line for line in LINES]
     assert not _read(tmp_path, [line for line in own if "CHANDATA" not in line]).stand_ins
 
@@ -129,6 +134,7 @@ def test_axes_that_no_file_names_are_asked_for(tmp_path):
     in_order = {"AX4": "X", "AX2": "Y", "AX6": "Z", "AX1": "A", "AX3": "C"}
     draft = _read(tmp_path, lines)
     assert _asked(draft) == [f"names of the axes {', '.join(in_order)} with commas between"]
+    assert _asked(_read(tmp_path, ["$MA_SPIND_ASSIGN_TO_MACHAX[AX5]=1", *lines])) == _asked(draft)
     assert _joint(draft, "A").travel == pytest.approx(TRUNNION.machine.file.joints["A"].travel)
     for word, letter in in_order.items():
         lines = [line.replace(f"{word}]", f"{letter}1]") for line in lines]

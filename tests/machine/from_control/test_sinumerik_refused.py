@@ -28,11 +28,8 @@ CONTRADICTIONS = {
     "a table with a head's vector": ("table", {"$MC_TRAFO5_JOINT_OFFSET_PART_1[1]": "2"}, "TYPE_1", "in the table"),
     "a head with a table's vector": ("head", {"$MC_TRAFO5_JOINT_OFFSET_PART_1[1]": "20"}, "TYPE_1", "in the head"),
     "swivel data of a table with I1": ("swivel table", {"$TC_CARR3[1]": "5"}, "$TC_CARR23", "I1 is of the other side"),
-    "swivel data of a head with I4": ("swivel head", {"$TC_CARR18[1]": "5"}, "$TC_CARR23", "I4 is of the other side"),
-    "a chain that does not close": ("swivel table", {"$TC_CARR20[1]": "219.9"}, "$TC_CARR4", "does not close"),
-    "a head's that does not close": ("swivel head", {"$TC_CARR3[1]": "-249"}, "$TC_CARR15", "does not close the chain"),
-    "a mixed one that does not close": ("mixed", {"$TC_CARR20[1]": "129.9"}, "$TC_CARR15", "does not close the chain"),
     "a closing vector with a wrong sign": ("table", {"$MC_TRAFO5_PART_OFFSET_1[2]": "-220"}, "BASE_TOOL", "sign of"),
+    "a swivel table's with a wrong sign": ("swivel table", {"$TC_CARR20[1]": "-220"}, "$TC_CARR4", "sign of"),
     "a channel axis' name twice": ("table", {"$MC_AXCONF_CHANAX_NAME_TAB[4]": '"A"'}, "NAME_TAB[3]", "is also"),
     "a machine axis' name twice": ("table", {"$MN_AXCONF_MACHAX_NAME_TAB[2]": '"MX4"'}, "NAME_TAB", "is also"),
     "a machine axis twice": ("table", {"$MC_AXCONF_MACHAX_USED[4]": "1"}, "MACHAX_USED[3]", "= 1 is also"),
@@ -75,6 +72,12 @@ def test_values_of_two_files_that_differ_are_refused_and_equal_ones_are_not(tmp_
     files = [tmp_path / "mill.arc", tmp_path / "old.arc"]
     with pytest.raises(ControlFileError, match=r"old.arc:1: .* = 123 contradicts .*mill.arc:\d+ N32000"):
         read_control(files)
+    (tmp_path / "twice.arc").write_text("\n".join([*ARCHIVES["table"], "$MA_MAX_AX_VELO[AX4]=123"]))
+    with pytest.raises(ControlFileError, match=r"= 123 contradicts .*; remove one of both lines"):
+        read_control([tmp_path / "twice.arc"])
+    (tmp_path / "other.arc").write_text("$MA_MAX_AX_VELO[Q1]=123\n$MA_MAX_AX_VELO[AX31]=10000\n")
+    remarks = read_control([tmp_path / "mill.arc", tmp_path / "other.arc"]).record.remarks
+    assert "$MA data of Q1 are not read: the channel has no such axis." in remarks
     same = 60e3 * TABLE.machine.file.joints["X"].velocity
     (tmp_path / "old.arc").write_text(f"$MA_MAX_AX_VELO[0,MX4]={same:.3f}\n")
     assert read_control(files).machine.joints == ("X", "Y", "Z", "A", "C")
@@ -85,6 +88,7 @@ REFUSED = {
     "a type 72 without swivel data": ("table", {"$MC_TRAFO_TYPE_1": "72"}, "takes swivel data set 1, which no file"),
     "no such kind": ("swivel table", {"$TC_CARR23[1]": '"Q"'}, "= 'Q'; give one of T, P, M"),
     "no such axis": ("swivel table", {"$TC_CARR21[1]": "(U)"}, "= U, and the channel has no such axis"),
+    "a linear swivel axis": ("swivel table", {"$TC_CARR21[1]": "(X)"}, "= X, which is linear; give the axis that"),
     "no such number": ("table", {"$MC_TRAFO_AXES_IN_1[3]": "9"}, "= 9, and the channel has no such axis"),
     "a lathe": ("swivel table", {"$MC_AXCONF_GEOAX_ASSIGN_TAB[1]": "0"}, "= 0 for Y, and the channel has no such axis"),
     "another order": ("table", {"$MC_AXCONF_GEOAX_NAME_TAB[1]": '"Z"'}, 'NAME_TAB.1. = "Z"; geometry axes are read'),
@@ -121,6 +125,13 @@ def test_open_chains_and_other_figures_of_two_sources_are_told(tmp_path):
     open_table = changed(ARCHIVES["table"], {"$MC_TRAFO5_PART_OFFSET_1[2]": "150"})
     remarks = _read(tmp_path, open_table).record.remarks
     assert any(each.startswith("I4 is (0, 0, 150) [mm] (") and "(0, 0, 220) would" in each for each in remarks)
+    for archive, values, closing in (
+        ("swivel table", {"$TC_CARR20[1]": "219.9"}, "(0, 0, 220)"),
+        ("swivel head", {"$TC_CARR3[1]": "-249"}, "(0, 0, -250)"),
+        ("mixed", {"$TC_CARR20[1]": "129.9"}, "(0, 0, 130)"),
+    ):
+        remarks = _read(tmp_path, changed(ARCHIVES[archive], values)).record.remarks
+        assert any(f"{closing} would close the chain" in each for each in remarks)
     apart = changed(ARCHIVES["both"], {"$TC_CARR5[1]": "0.02", "$TC_CARR19[1]": "-0.02"})
     assert any("I2 of the swivel data is (0, 0.02, -220)" in each for each in _read(tmp_path, apart).record.remarks)
     two = [*ARCHIVES["swivel table"], *TABLE.carrier(2)]

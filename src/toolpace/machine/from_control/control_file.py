@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import codecs
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from toolpace.common.errors import MachineError
 from toolpace.common.files.atomic import reason
+from toolpace.machine.plausibility import LONGEST_NAME
 
 LARGEST = 32_000_000
 """Most bytes of a file: archives of a whole control have a few million."""
@@ -50,11 +52,17 @@ class ControlFile:
         return tuple(line[:LONGEST_LINE] for line in self.text.replace("\n\r\r", "\n").splitlines())
 
 
+def machine_name(file: ControlFile, control: str) -> str:
+    """A name for a machine whose files have none: that of a file, else that of its control."""
+    kept = "".join(letter if letter.isprintable() else " " for letter in Path(file.name).stem)[:LONGEST_NAME].strip()
+    return kept or control
+
+
 def load(path: Path, shown: str = "") -> ControlFile:
     """A file of text; `shown` is its name in messages. Raises ControlFileError.
 
     It is read once (it may be a pipe) and no further than a control's file can go (it may never end). Controls write
-    UTF-8, or the code pages of Western Europe, in comments.
+    UTF-8, or the code pages of Western Europe, in comments; editors also save UTF-16, which begins with a mark.
     """
     name = shown or str(path)
     try:
@@ -65,6 +73,8 @@ def load(path: Path, shown: str = "") -> ControlFile:
         raise ControlFileError(f"cannot be read ({why}); check the path", file=name) from None
     if len(data) > LARGEST:
         raise ControlFileError(f"has more than {LARGEST // 10**6} MB; give the control's files alone", file=name)
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", errors="replace").encode()
     if b"\0" in data:
         raise ControlFileError("is not text; save it as text on the control (an archive in ASCII)", file=name)
     if data.count(b"\n") > MOST_LINES:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from toolpace.machine.from_control.control_file import load
 from toolpace.machine.from_control.readers import read_record
 from toolpace.machine.from_control.record import Figure, MachineRecord, Value
 from toolpace.machine.from_control.stand_ins import Answers, Question, complete
+from toolpace.machine.from_control.unplaced_axes import ALONG
 from toolpace.machine.machine import Machine
 from toolpace.machine.plausibility import LONGEST_NAME
 
@@ -20,6 +22,8 @@ CHAIN = ("workpiece", "workpiece_origin", "workpiece_x", "workpiece_z", "tool", 
 JOINT = ("kind", "direction", "point", "travel", "wrap", "velocity", "acceleration", "jerk")
 """Order of the keys."""
 UNITS = {"travel": "", "velocity": "/s", "acceleration": "/s^2", "jerk": "/s^3"}
+ACROSS = 1e-3
+"""Cosine below which two directions are across each other."""
 COLUMN = 34
 """At which comments begin."""
 
@@ -46,12 +50,26 @@ def read_control(paths: Sequence[str | Path], answers: Answers | None = None) ->
     answers = Answers() if answers is None else answers
     record = read_record([load(Path(path)) for path in paths], answers)
     complete(record, answers)
+    record.remarks += _across_letters(record)
     source = record.files[0]
     machine = Machine.from_toml(machine_text(record, answers.taken, {}), source)
     both = zip(machine.geometry.rotary_joints, machine.geometry.leanings)
     leanings = {name: words for name, words in both if name not in record.held}
     text = machine_text(record, answers.taken, leanings)
     return MachineDraft(record, text, machine, tuple(answers.taken), controller_text(record))
+
+
+def _across_letters(record: MachineRecord) -> Iterator[str]:
+    """Remarks on turning axes across the direction of their letter: the two of a machine are easily changed over."""
+    for name, joint in record.joints.items():
+        if joint["kind"].value != "rotary" or name not in ALONG:
+            continue
+        along = sum(one * other for one, other in zip(joint["direction"].vector, ALONG[name]))
+        if abs(along) < ACROSS * math.hypot(*joint["direction"].vector):
+            yield (
+                f"{name} turns across the direction of its letter ({joint['direction'].origin}), other than ISO 841 "
+                "has it: are two axes changed over?"
+            )
 
 
 def machine_text(record: MachineRecord, stand_ins: Sequence[Question], leanings: Mapping[str, str]) -> str:

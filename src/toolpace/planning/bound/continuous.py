@@ -23,6 +23,8 @@ from toolpace.path.fit.spline import spline_values
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
+from toolpace.planning.mesh.initial_guess import ramp_time
+from toolpace.planning.mesh.nodes import STEPS_A_RAMP
 from toolpace.planning.optimal.problem import discretise
 from toolpace.planning.optimal.solve import pinned
 from toolpace.planning.planned_run import AT_REST
@@ -51,7 +53,9 @@ def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
     """
     if not (law.rest[0] > 0.0 and law.rest[1] > 0.0) or len(law.nodes) > MOST:
         return 0.0
-    cells = max(FEWEST, len(law.nodes))
+    # cells of the plan may be long where the feed holds it; multipliers need even ones that tell a ramp
+    ramps = law.duration / ramp_time(limits)
+    cells = int(max(FEWEST, len(law.nodes), min(STEPS_A_RAMP * ramps, MOST)))
     step = law.duration / cells
     t = step * np.arange(1.0, cells, dtype=np.float64)
     s, speed = law.at(t)[:2]

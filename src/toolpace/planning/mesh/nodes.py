@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Bools, Floats, Ints, frozen
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_run import AxisRun
@@ -22,7 +22,9 @@ be in use, where z follows the cap whatever the mesh."""
 RAMPS_FINE, COARSEST = 2.0, 16.0
 """Ramp times before and after any other place within which steps are as fine as at it, and how many steps a cell may
 be long further away: as much as two ramps. After one ramp time cells have to be cut again where the motion leaves the
-cap, which takes longer than it saves; after three a tenth of what is gained is lost."""
+cap, which takes longer than it saves; after three a tenth of what is gained is lost. Durations differ by up to 6e-5
+either way with 8 and with 16 steps.
+"""
 STRAIGHT = 1e-3
 """How far z at a cap may be from a straight line in such a cell, relative to it: a cubic is nearer by a hundred times.
 Without it, caps in waves of 1 to 50 percent that long cells miss cost up to 2.4e-3 of the duration."""
@@ -146,7 +148,7 @@ def where_z_bends(rough: Guess) -> Floats:
 def at_caps(run: AxisRun, limits: Limits, rough: Guess) -> Bools:
     """(n,) where the guess is at its cap by feed and velocity, on both sides of a break, and needs little acceleration
     and jerk there."""
-    of_joints = limits.velocity, IN_USE * limits.acceleration, IN_USE * limits.jerk
+    of_joints = limits.velocity, frozen(IN_USE * limits.acceleration), frozen(IN_USE * limits.jerk)
 
     def at_cap(s: Floats, z: Floats) -> Bools:
         path, feed = run.with_cap(s)

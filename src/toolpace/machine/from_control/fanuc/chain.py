@@ -25,24 +25,25 @@ of the tool where 19665#5 (SVC) shifts it there (19665#4 = 0); a shift of one's 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from toolpace.machine.from_control.control_file import ControlFileError
 from toolpace.machine.from_control.fanuc.axes import Axis
 from toolpace.machine.from_control.fanuc.parameters import Parameters, Value
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, moved
+from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import HELD, hold_at_rest
 
 KINDS = {2: "tool", 12: "table", 21: "mixed"}
 SIDES = {"tool": ("tool", "tool"), "table": ("table", "table"), "mixed": ("tool", "table")}
 """What the first and the second axis turn."""
-UNUSED = {
-    "tool": (*range(19700, 19706),),
-    "table": (*range(19709, 19715),),
-    "mixed": (*range(19703, 19706), *range(19712, 19715)),
-}
-"""By kind: parameters that are of other kinds, and contradict it unless they are zero."""
+VECTORS = {19700: "from machine zero to the table's first axis", 19703: "from the table's first axis to its second",
+           19709: "from D on the tool's axis to the tool's axis of rotation",
+           19712: "from the tool's second axis of rotation to its first"}  # fmt: skip
+"""First parameters of vectors."""
+USED = {"tool": (19709, 19712), "table": (19700, 19703), "mixed": (19700, 19709)}
+"""Vectors of each kind; those of other kinds contradict it unless they are zero."""
 UNIT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 CENTRED = "the controlled point is on the first axis of rotation of the tool (19665#5 = 0)"
 SHIFTED = "the controlled point is at the end of the tool (19665#5 = 1)"
@@ -65,7 +66,9 @@ def is_five_axis(parameters: Parameters) -> bool:
     return kind is not None and kind.number != 0.0
 
 
-def place_five_axes(parameters: Parameters, axes: Sequence[Axis], record: MachineRecord) -> None:
+def place_five_axes(
+    parameters: Parameters, axes: Sequence[Axis], record: MachineRecord, answers: Answers
+) -> None:
     """Fill in [chain], and direction and point of the rotary joints. Raises ControlFileError.
 
     A kind with vectors of another kind, and an axis that is named twice or not rotary, are refused with both lines.
@@ -81,39 +84,46 @@ def place_five_axes(parameters: Parameters, axes: Sequence[Axis], record: Machin
         raise _origin(parameters, 19686).error(
             f"names the axis {second.letter}, as {_origin(parameters, 19681)} does; correct one of both"
         )
-    _place(parameters, record, first, second, figure)
+    vectors = {number: _vector(parameters, number, answers) for number in USED[kind]}
+    _place(parameters, record, (first, second), vectors, figure)
 
 
 def _place(
-    parameters: Parameters, record: MachineRecord, first: RotaryAxis, second: RotaryAxis, kind: Figure
+    parameters: Parameters,
+    record: MachineRecord,
+    both: tuple[RotaryAxis, RotaryAxis],
+    vectors: Mapping[int, Figure],
+    kind: Figure,
 ) -> None:
     """Order of the joints, points on the rotary axes, nose and direction of the tool."""
-    on_table = [axis for axis in (first, second) if axis.side == "table"]
-    on_tool = [axis for axis in (first, second) if axis.side == "tool"]
+    on_table = [axis for axis in both if axis.side == "table"]
+    on_tool = [axis for axis in both if axis.side == "tool"]
     record.chain["workpiece"] = Figure(tuple(axis.letter for axis in on_table), kind.origins)
     record.chain["tool"] = Figure(("X", "Y", "Z", *(axis.letter for axis in on_tool)), kind.origins)
     tool_axis = _tool_axis(parameters)
     record.chain["tool_axis"] = tool_axis
     record.chain["tool_length"] = Figure(0.0, (Origin("tools have their lengths in the set-up sheet"),))
-    for axis in (first, second):
+    for axis in both:
         record.joints[axis.letter]["direction"] = axis.direction
     if on_table:
-        place = _vector(parameters, 19700)
+        place = vectors[19700]
         record.joints[on_table[0].letter]["point"] = place
         if len(on_table) > 1:
-            record.joints[on_table[1].letter]["point"] = moved(place, _vector(parameters, 19703))
-    nose, point_d = _nose(parameters, tool_axis, on_tool)
+            record.joints[on_table[1].letter]["point"] = moved(place, vectors[19703])
+    nose, point_d = _nose(parameters, tool_axis, len(on_tool), vectors)
     record.chain["spindle_nose"] = nose
     if on_tool:
-        point_e = moved(point_d, _vector(parameters, 19709))
+        point_e = moved(point_d, vectors[19709])
         record.joints[on_tool[-1].letter]["point"] = point_e
         if len(on_tool) > 1:
-            record.joints[on_tool[0].letter]["point"] = moved(point_e, _vector(parameters, 19712))
-    for axis in (first, second):
-        _remark_sense(parameters, record, axis, 19684 if axis is first else 19689)
+            record.joints[on_tool[0].letter]["point"] = moved(point_e, vectors[19712])
+    for axis, number in zip(both, (19684, 19689)):
+        _remark_sense(parameters, record, axis, number)
 
 
-def _nose(parameters: Parameters, tool_axis: Figure, on_tool: Sequence[RotaryAxis]) -> tuple[Figure, Figure]:
+def _nose(
+    parameters: Parameters, tool_axis: Figure, axes_of_tool: int, vectors: Mapping[int, Figure]
+) -> tuple[Figure, Figure]:
     """The end of the tool without length, and D, both where the controlled point is at machine zero."""
     holder = parameters.figure(19666, 0, rotary=False)
     along = Figure(
@@ -121,7 +131,7 @@ def _nose(parameters: Parameters, tool_axis: Figure, on_tool: Sequence[RotaryAxi
         () if holder is None else holder.origins,
     )
     zero = Figure((0.0, 0.0, 0.0), (Origin("the nose is at X, Y, Z"),))
-    if not on_tool:
+    if not axes_of_tool:
         return moved(zero, along, -1.0), zero
     shifted, own = parameters.bit(19665, 5), parameters.bit(19665, 4)
     if shifted is not None and shifted[0]:
@@ -130,8 +140,8 @@ def _nose(parameters: Parameters, tool_axis: Figure, on_tool: Sequence[RotaryAxi
         nose = Figure((0.0, 0.0, 0.0), (Origin(f"{shifted[1]}: {SHIFTED}"),))
         return nose, moved(nose, along)
     centre = Figure((0.0, 0.0, 0.0), (Origin(CENTRED if shifted is None else f"{shifted[1]}: {CENTRED}"),))
-    point_e = moved(centre, _vector(parameters, 19712), -1.0) if len(on_tool) > 1 else centre
-    point_d = moved(point_e, _vector(parameters, 19709), -1.0)
+    point_e = moved(centre, vectors[19712], -1.0) if axes_of_tool > 1 else centre
+    point_d = moved(point_e, vectors[19709], -1.0)
     return moved(point_d, along, -1.0), point_d
 
 
@@ -219,7 +229,7 @@ def _tool_axis(parameters: Parameters) -> Figure:
 
 def _check_unused(parameters: Parameters, kind: str, figure: Figure) -> None:
     """Refuse vectors of another kind of machine, with both lines."""
-    for number in UNUSED[kind]:
+    for number in (first + k for first in VECTORS if first not in USED[kind] for k in range(3)):
         other = parameters.figure(number, 0, rotary=False)
         if other is not None and other.number:
             raise other.origins[0].error(
@@ -253,9 +263,14 @@ def _origin(parameters: Parameters, number: int) -> Origin:
     return value.origin
 
 
-def _vector(parameters: Parameters, number: int) -> Figure:
-    """Three parameters as a vector; those that are not there are zero."""
+def _vector(parameters: Parameters, number: int, answers: Answers) -> Figure:
+    """Three parameters as a vector, asked for where none is there. Raises ControlFileError where some are missing."""
     parts = [parameters.figure(number + k, 0, rotary=False) for k in range(3)]
-    origins = tuple(origin for part in parts if part is not None for origin in part.origins)
-    values = tuple(0.0 if part is None else part.number for part in parts)
-    return Figure(values, origins or (Origin(f"N{number} to N{number + 2} are not in the files: zero (assumption)"),))
+    present = [part for part in parts if part is not None]
+    if not present:
+        unit = "in" if parameters.inch[0] else "mm"
+        shown = f"N{number} to N{number + 2}, {VECTORS[number]} [{unit}]"
+        return answers.numbers(Question(shown, "0, 0, 0", "a full punch has them"), 3)
+    if len(present) < 3:
+        raise present[0].origins[0].error(f"is there without all of N{number} to N{number + 2}; punch all parameters")
+    return Figure(tuple(part.number for part in present), tuple(origin for part in present for origin in part.origins))

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
-from toolpace.machine.from_control.control_file import ControlFile
+from toolpace.machine.from_control.control_file import ControlFile, machine_name
 from toolpace.machine.from_control.fanuc.axes import Axis, joint_figures, letters_of, read_axes, set_figure, set_time
 from toolpace.machine.from_control.fanuc.chain import is_five_axis, place_five_axes
 from toolpace.machine.from_control.fanuc.parameters import LINE, READ, Parameters, read_parameters
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, lowest
 from toolpace.machine.from_control.stand_ins import Answers
 from toolpace.machine.from_control.unplaced_axes import ALONG, Unplaced, place_axes
-from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "Fanuc"
 TOLD_BY = "parameters as punched, as N01420 A1 P15000 A2 P15000"
@@ -51,15 +49,16 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     inch, told = parameters.inch
     length = Figure("in" if inch else "mm", (told,))
     record = MachineRecord(
-        CONTROL, _name(files[0]), parameters.files, length, Figure("deg", (Origin("rotary axes count degrees"),))
-    )
+        CONTROL, machine_name(files[0], CONTROL), parameters.files, length,
+        Figure("deg", (Origin("rotary axes count degrees"),)),
+    )  # fmt: skip
     used = _used(parameters, axes)
     for axis in used:
         record.joints[axis.letter] = joint_figures(parameters, axis)
         if axis.letter in "XYZ":
             record.joints[axis.letter]["direction"] = Figure(ALONG[axis.letter], (Origin(f"axis {axis.letter}"),))
     if is_five_axis(parameters):
-        place_five_axes(parameters, axes, record)
+        place_five_axes(parameters, axes, record, answers)
     else:
         kind = parameters.whole(19680)
         told = kind.origins[0] if kind is not None else axes[0].named
@@ -87,12 +86,6 @@ def _used(parameters: Parameters, axes: Sequence[Axis]) -> list[Axis]:
     if not numbers:
         turning = [axis for axis in axes if axis.rotary]
     return [*(axes[letters.index(letter)] for letter in "XYZ"), *dict.fromkeys(turning)]
-
-
-def _name(file: ControlFile) -> str:
-    """A punched file has no name of the machine: that of the file."""
-    kept = "".join(letter if letter.isprintable() else " " for letter in Path(file.name).stem)[:LONGEST_NAME].strip()
-    return kept or "fanuc"
 
 
 def _control_figures(parameters: Parameters, axes: Sequence[Axis]) -> Iterator[tuple[str, Figure]]:

@@ -21,7 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.control_file import ControlFileError
-from toolpace.machine.from_control.heidenhain.texts import ConfigurationObject, Texts
+from toolpace.machine.from_control.heidenhain.texts import KEYS, ConfigurationObject, Texts
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import with_held_axes
@@ -71,7 +71,7 @@ def _of_table(texts: Texts) -> list[Step]:
                 raise row.origin.error("has no COORD; correct the line")
             figure = row.coordinate.figure()
             value = Figure(figure.number * (inches if row.axis in LINEAR else 1.0), figure.origins)
-        elif row.key not in ("machaxis", "machbase", "toolaxis"):
+        elif row.key not in KEYS:
             raise row.origin.error("is no key that is read: Trans, MachAxis, MachBase, ToolAxis; correct it")
         steps.append(Step(row.key, row.axis, row.origin, value))
     return steps

@@ -11,15 +11,13 @@ traverse, is one formula for both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
-from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.control_file import ControlFile, ControlFileError, machine_name
 from toolpace.machine.from_control.heidenhain.chain import TURNING, axis_letter, place_by_steps, steps_of
 from toolpace.machine.from_control.heidenhain.texts import Entry, Texts, kind_of, read_texts
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, lowest, travel
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, Unplaced, place_axes
-from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "Heidenhain"
 TOLD_BY = "machine parameters as MP1010.0 : 30000, configuration objects as CfgFeedLimits( ... ), a kinematics table"
@@ -50,7 +48,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
         read_texts(texts, file)
     length = Figure("mm", (Origin("machine parameters are in mm"),))
     angle = Figure("deg", (Origin("machine parameters are in degrees"),))
-    record = MachineRecord(CONTROL, _name(files[0]), tuple(file.name for file in files), length, angle)
+    record = MachineRecord(CONTROL, machine_name(files[0], CONTROL), tuple(file.name for file in files), length, angle)
     steps = steps_of(texts, answers)
     if not steps and not _axis_keys(texts) and not any(number in OF_AXIS.values() for number, _ in texts.parameters):
         raise ControlFileError("tells nothing of axes; give their machine parameters or objects", file=files[0].name)
@@ -72,12 +70,6 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     record.timing |= dict(_timing(texts, letters, list(record.joints)))
     _add_remarks(texts, record, letters, bool(steps))
     return record
-
-
-def _name(file: ControlFile) -> str:
-    """The files have no name of the machine: that of the first."""
-    kept = "".join(letter if letter.isprintable() else " " for letter in Path(file.name).stem)[:LONGEST_NAME].strip()
-    return kept or "heidenhain"
 
 
 def _first_entry(texts: Texts) -> Entry:
@@ -241,6 +233,8 @@ def _add_remarks(texts: Texts, record: MachineRecord, letters: dict[str, int], p
         record.remarks.append("MP100 names axis 1 by its last letter (assumption).")
     if any("subKinList" in each.attributes for each in texts.objects):
         record.remarks.append("axisRef, dir, val of kinematic objects are axis, direction and value (assumption).")
+    if not placed and (vectors := next((each for each in texts.objects if each.kind == "CfgKinModel"), None)):
+        record.remarks.append(f"{vectors.origin}, the kinematics by vectors, is not read: it may tell what is asked.")
     if texts.inch_table is not None:
         record.remarks.append(f"{texts.inch_table}: lengths of the kinematics table are inches.")
     if not texts.table_ends:

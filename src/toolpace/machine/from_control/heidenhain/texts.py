@@ -29,6 +29,8 @@ ATTRIBUTES = frozenset({
 """Attributes of configuration objects that are read; all others are passed over."""
 PARAMETER = re.compile(r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)", re.IGNORECASE)
 TABLE_HEADING = re.compile(r"\s*NR\s+(?:\S+\s+)*?KEY\s+AXIS\s+COORD\b", re.IGNORECASE)
+KEYS = frozenset({"trans", "machaxis", "machbase", "toolaxis"})
+"""Of rows of a kinematics table that are read, in lower case."""
 OBJECT = re.compile(r"\b(Cfg\w{1,60})\s*+\(", re.ASCII)
 _ROW = re.compile(r"\s*+\d++\s++([A-Za-z]\w*+)((?:\s++\S++)*+)\s*+$")
 _COMMENT = re.compile(r"\(\*(?:[^*]++|\*(?!\)))*+(?:\*\)|\Z)|--[^\n]*+")
@@ -167,6 +169,10 @@ def _read_table(texts: Texts, file: ControlFile) -> None:
             origin = Origin(name[:SHOWN], file.name, number)
             coordinate = Entry(cells[0], origin) if cells else None
             texts.rows.append(Row(match[1].lower(), axis.upper(), coordinate, origin))
+        elif KEYS & {word.lower() for word in words} and not words[0].startswith((";", "#", "*")):
+            raise Origin(" ".join(words)[:SHOWN], file.name, number).error(
+                "is no row with NR, KEY, AXIS and COORD: it has no line number; correct it"
+            )
 
 
 def _objects(file: ControlFile) -> Iterator[ConfigurationObject]:

@@ -57,7 +57,7 @@ def channel_axes(data: MachineData, answers: Answers) -> dict[int, ChannelAxis]:
         if number > 0 and named is not None:
             words = (f"AX{number}", *([of_machine[0]] if of_machine is not None else []), named[0])
             axes[place + 1] = ChannelAxis(named[0] if names else _bare(named[0]), words, named[1])
-    return axes or _by_their_data(data, answers)
+    return axes or _by_their_data(data, answers) or _by_swivel_data(data)
 
 
 def _used(data: MachineData) -> dict[int, int]:
@@ -100,6 +100,7 @@ def _by_their_data(data: MachineData, answers: Answers) -> dict[int, ChannelAxis
     if named:
         shown = {word: Origin(f"$MA_...[{word[:20]}]") for word in named}
         return {k: ChannelAxis(_bare(word), (word,), shown[word]) for k, word in enumerate(named, 1)}
+    words = [word for word in words if not is_spindle(data, (word,))]
     if not words:
         return {}
     question = Question(
@@ -110,6 +111,24 @@ def _by_their_data(data: MachineData, answers: Answers) -> dict[int, ChannelAxis
     figure = answers.text(question)
     names = [part.strip().upper() for part in str(figure.value).split(",")]
     return {k: ChannelAxis(name, (word,), figure.origins[0]) for k, (word, name) in enumerate(zip(words, names), 1)}
+
+
+def _by_swivel_data(data: MachineData) -> dict[int, ChannelAxis]:
+    """X, Y, Z and the axes that swivel data name, where these are all that there is; none without them."""
+    sets = [number for number in data.numbers("TC_CARR") if number > 0]
+    found = {letter: Origin("default of $MC_AXCONF_CHANAX_NAME_TAB") for letter in "XYZ" if sets}
+    for number in sets:
+        for item in (21, 22, 35, 36):
+            datum = data.datum(f"TC_CARR{item}", number)
+            if datum is not None and datum.word() not in ("", "0"):
+                found.setdefault(datum.word(), datum.origin)
+    return {k: ChannelAxis(name, (name,), origin) for k, (name, origin) in enumerate(found.items(), 1)}
+
+
+def is_spindle(data: MachineData, words: Sequence[str]) -> bool:
+    """Whether the axis of these names is a spindle."""
+    spindle = data.figure("MA_SPIND_ASSIGN_TO_MACHAX", 0, words)
+    return spindle is not None and spindle.number != 0.0
 
 
 def _bare(word: str) -> str:

@@ -41,9 +41,13 @@ DATA = {
 OLD_MIXED = {"I2": "BASE_TOOL", "I3": "JOINT_OFFSET", "I4": "PART_OFFSET"}
 """TRAFO5 data of each vector."""
 CARRIER = {"I1": 1, "I2": 4, "I3": 15, "I4": 18}
-"""First $TC_CARR of each vector; the fine offsets stand 40 behind."""
+"""First $TC_CARR of each vector."""
+START = 24
+"""$TC_CARR of the position at which the vectors are measured."""
+FINE = 40
+"""By how many numbers fine offsets stand behind (W1, 08/2005, page 2-86)."""
 FOREIGN = {"T": "I4", "P": "I1"}
-"""Vectors that a kind does not have: a table's in a head, a head's in a table."""
+"""Vectors that a kind does not have: a table's in a head, which the control passes over, and a head's in a table."""
 TRANSFORMATIONS = 20
 ALONG_Z = Figure((0.0, 0.0, 1.0), (Origin("the tool is along Z"),))
 
@@ -195,10 +199,37 @@ def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
 
 
 def carrier_numbers(data: MachineData) -> list[int]:
-    """Swivel data sets that turn an axis."""
+    """Swivel data sets whose axes the control turns."""
+    return [number for number in _turning_sets(data) if _by_hand(data, number) is None]
+
+
+def sets_by_hand(data: MachineData) -> list[str]:
+    """Remarks on swivel data sets that are not read, as a person turns their axes."""
+    found = (_by_hand(data, number) for number in _turning_sets(data))
+    return [
+        f"{datum.origin} = {datum.text[:20]}: a person turns axes of this swivel data set, which is not read."
+        for datum in found
+        if datum is not None
+    ]
+
+
+def _turning_sets(data: MachineData) -> list[int]:
     numbers = [number for number in data.numbers("TC_CARR") if number > 0]
     first = {number: data.vector([(f"TC_CARR{k}", number) for k in (7, 8, 9)]) for number in numbers}
     return [number for number, figure in first.items() if figure is not None and is_direction(figure)]
+
+
+def _by_hand(data: MachineData, number: int) -> Datum | None:
+    """$TC_CARR37 where it has an axis turned by hand: its tens are of axis 1, its hundreds of axis 2, 0 by the control.
+
+    Commissioning Manual Operate IM9, 12/2017, page 574.
+    """
+    datum = data.datum("TC_CARR37", number)
+    if datum is None:
+        return None
+    second = data.vector([(f"TC_CARR{k}", number) for k in (10, 11, 12)])
+    digits = int(abs(datum.number())) // 10 % (100 if second is not None and is_direction(second) else 10)
+    return datum if digits else None
 
 
 def carrier_number(data: MachineData, found: Transformation | None, answers: Answers) -> int | None:
@@ -209,7 +240,10 @@ def carrier_number(data: MachineData, found: Transformation | None, answers: Ans
         number = 1 if datum is None else int(datum.number())
         if number not in sets:
             at = found.kind.origin if datum is None else datum.origin
-            raise at.error(f"takes swivel data set {number}, which no file has ($TC_CARR7[{number}]); give it too")
+            raise at.error(
+                f"takes swivel data set {number}, which no file has ($TC_CARR7[{number}]) or a person turns "
+                f"($TC_CARR37[{number}]); give it too"
+            )
         return number
     if len(sets) < 2:
         return sets[0] if sets else None
@@ -231,45 +265,66 @@ def chain_of_carrier(
     for name, first in CARRIER.items():
         figure = data.vector([(f"TC_CARR{first + k}", number) for k in range(3)])
         if figure is not None and any(figure.vector):
-            if FOREIGN.get(kind) == name:
+            if FOREIGN.get(kind) == name and kind != "T":
                 raise figure.origins[0].error(
                     f"is not 0, and {kind_origin} = {kind} has {KINDS[kind]}: {name} is of the other side; correct one"
                 )
             vectors[name] = figure
         _add_fine(data, vectors, name, number, remarks)
-    both = [_carrier_axis(data, number, place, axes, answers) for place in (0, 1)]
+    if kind == "T" and (ignored := vectors.pop("I4", None)) is not None:
+        remarks.append(
+            f"{ignored.origin} is not 0: the control passes it over where both axes are in the head ({kind_origin}). "
+            "Is T the right kind?"
+        )
+    both = [_carrier_axis(data, number, place, axes, answers, remarks) for place in (0, 1)]
     _one_name(both)
     return VectorChain(Figure(kind, (kind_origin,)), (both[0], both[1]), vectors, ALONG_Z)
 
 
 def _add_fine(data: MachineData, vectors: dict[str, Figure], name: str, number: int, remarks: list[str]) -> None:
     """Add the fine offset of a vector where the control does ($SC_TOCARR_FINE_CORRECTION)."""
-    fine = data.vector([(f"TC_CARR{CARRIER[name] + 40 + k}", number) for k in range(3)])
-    if fine is None or not any(fine.vector):
-        return
-    switch = data.datum("SC_TOCARR_FINE_CORRECTION")
-    if switch is None or not switch.number():
-        remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
+    fine = data.vector([(f"TC_CARR{CARRIER[name] + FINE + k}", number) for k in range(3)])
+    if fine is None or not any(fine.vector) or not _fine_counts(data, fine, remarks):
         return
     own = vectors.get(name, Figure((0.0, 0.0, 0.0), ()))
     total = tuple(one + other for one, other in zip(own.vector, fine.vector))
     vectors[name] = Figure(total, own.origins + fine.origins)
 
 
+def _fine_counts(data: MachineData, fine: Figure, remarks: list[str]) -> bool:
+    """Whether the control adds fine offsets; a remark where it does not."""
+    switch = data.datum("SC_TOCARR_FINE_CORRECTION")
+    counts = switch is not None and switch.number() != 0.0
+    if not counts:
+        remarks.append(f"{fine.origin} is a fine offset: it counts with $SC_TOCARR_FINE_CORRECTION = 1 alone.")
+    return counts
+
+
+def _carrier_start(data: MachineData, number: int, place: int, remarks: list[str]) -> Figure:
+    """The position of an axis at which the vectors of a swivel data set are measured [deg]."""
+    start = data.figure(f"TC_CARR{START + place}", number) or Figure(0.0, ())
+    fine = data.figure(f"TC_CARR{START + FINE + place}", number)
+    if fine is None or not fine.number or not _fine_counts(data, fine, remarks):
+        return start
+    return Figure(start.number + fine.number, start.origins + fine.origins)
+
+
 def _carrier_axis(
-    data: MachineData, number: int, place: int, axes: Mapping[int, ChannelAxis], answers: Answers
+    data: MachineData, number: int, place: int, axes: Mapping[int, ChannelAxis], answers: Answers, remarks: list[str]
 ) -> SwivelAxis | None:
     """An axis of a swivel data set; None where its direction is 0."""
     direction = data.vector([(f"TC_CARR{7 + 3 * place + k}", number) for k in range(3)])
     if direction is None or not is_direction(direction):
         return None
-    start = data.figure(f"TC_CARR{24 + place}", number) or Figure(0.0, ())
+    start = _carrier_start(data, number, place, remarks)
     for item in (21 + place, 35 + place):
         datum = data.datum(f"TC_CARR{item}", number)
         if datum is None or datum.word() in ("", "0"):
             continue
         for axis in axes.values():
             if datum.word() == axis.name or datum.word() in axis.words:
+                if axis.letter in tuple("XYZ"):
+                    raise datum.origin.error(f"= {datum.word()[:20]}, which is linear; give the axis that turns")
                 return SwivelAxis(joint_name(axis, direction), direction, start, axis)
         raise datum.origin.error(f"= {datum.word()[:20]}, and the channel has no such axis; give its channel data too")
     usual = TURNING[int(np.abs(direction.vector).argmax())]

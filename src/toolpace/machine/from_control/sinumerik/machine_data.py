@@ -150,9 +150,11 @@ class MachineData:
         found = [datum for key in keys for datum in self.data.get(key, [])]
         for other in found[1:]:
             if not other.same(found[0]):
+                one_file = other.origin.file == found[0].origin.file
+                cure = "remove one of both lines" if one_file else "give the newer file"
                 raise other.origin.error(
                     f"= {other.text[:20] or 'nothing'} contradicts {found[0].origin} = "
-                    f"{found[0].text[:20] or 'nothing'}; give the newer file"
+                    f"{found[0].text[:20] or 'nothing'}; {cure}"
                 )
         return found[0] if found else None
 

@@ -4,35 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.machine.from_control.control_file import ControlFile, ControlFileError
+from toolpace.machine.from_control.control_file import ControlFile, ControlFileError, machine_name
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, straight_axes
+from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, is_spindle, straight_axes
 from toolpace.machine.from_control.sinumerik.dynamics import add_dynamics, joint_figures
 from toolpace.machine.from_control.sinumerik.five_axis import (
     BY_CARRIER,
+    OTHERS,
     Transformation,
     carrier_number,
     carrier_numbers,
     chain_of_carrier,
     chain_of_transformation,
+    sets_by_hand,
     transformation,
 )
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData, has_data
 from toolpace.machine.from_control.sinumerik.vector_chain import ON_TABLE, VectorChain
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
-from toolpace.machine.plausibility import LONGEST_NAME
 
 CONTROL = "Sinumerik"
 TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...) and swivel data ($TC_CARR...)"
 IN_MM = {"mm": 1.0, "in": 25.4}
 OWN_UNITS = 8
 """Bits of MD10220 that give lengths, angles and their derivatives other units than those of the manuals."""
+SHOWN = 8
+"""Most names of axes in a remark."""
 SAME = 1e-3
 """Within which vectors of two sources agree [mm]."""
 
@@ -48,7 +50,7 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     remarks = _choose_channel(data)
     length = _length(data, answers)
     record = MachineRecord(
-        CONTROL, _name(files), tuple(file.name for file in files), length,
+        CONTROL, machine_name(files[0], CONTROL), tuple(file.name for file in files), length,
         Figure("deg", (Origin("Sinumerik counts turns in degrees"),)), remarks=remarks,
     )  # fmt: skip
     axes = channel_axes(data, answers)
@@ -74,21 +76,20 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     else:
         at = Unplaced(record, answers, "$MC_TRAFO_TYPE_1", Origin("$MC_TRAFO_TYPE_1", files[0].name), "the channel")
         place_axes(at, "".join(joints))
-    _add_remarks(axes, joints, chain, record)
+    _add_remarks(data, axes, joints, chain, record)
     add_dynamics(data, record, joints)
     return record
 
 
 def _choose_channel(data: MachineData) -> list[str]:
-    """Take the first channel with a transformation, else the first; remarks on the others."""
+    """Take the first channel with a transformation that turns a tool, else the first; remarks on the others."""
     channels = data.channels
     data.channel = channels[0]
     if channels == [0]:
         return []
-    for channel in channels:
-        if any(key[0].startswith("MC_TRAFO_TYPE") and key[3] == channel for key in data.data):
-            data.channel = channel
-            break
+    types = [(key[3], found[0].number()) for key, found in data.data.items() if key[0].startswith("MC_TRAFO_TYPE")]
+    turning = {channel for channel, kind in types if kind and kind not in OTHERS}
+    data.channel = next((channel for channel in channels if channel in turning), channels[0])
     others = [str(channel) for channel in channels if channel != data.channel]
     return [f"Channel {data.channel} is read; channels {', '.join(others)} are not."] if others else []
 
@@ -105,12 +106,6 @@ def _length(data: MachineData, answers: Answers) -> Figure:
     return answers.choice(question, tuple(IN_MM))
 
 
-def _name(files: Sequence[ControlFile]) -> str:
-    """The name of the first file."""
-    stem = Path(files[0].name).stem
-    return "".join(letter for letter in stem if letter.isprintable())[:LONGEST_NAME].strip() or CONTROL
-
-
 def _chain(
     data: MachineData, found: Transformation | None, axes: Mapping[int, ChannelAxis], answers: Answers,
     record: MachineRecord,
@@ -119,6 +114,7 @@ def _chain(
 
     Raises ControlFileError where both are there and contradict.
     """
+    record.remarks += sets_by_hand(data)
     by_type = found is not None and found.type != BY_CARRIER
     # of several swivel data sets none need be that of the transformation
     single = not by_type or len(carrier_numbers(data)) == 1
@@ -127,10 +123,15 @@ def _chain(
     if found is None or not by_type:
         if swivel is None and data.has_kinematic_chain:
             record.remarks.append("The kinematic chain ($NK_...) is not read: it may say what is asked for.")
-        return None if swivel is None else _closed(swivel, IN_MM[str(record.length.value)])
+        return swivel
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
         return None
+    for axis in chain.axes:
+        if axis is not None and axis.start.number:
+            record.remarks.append(
+                f"{axis.start.origin} = {axis.start.number:g}: turns of {axis.name} count from there (assumption)."
+            )
     if found.is_by_letters and chain.kind.value != "T":
         if swivel is None:
             record.remarks.append(
@@ -157,17 +158,6 @@ def _with_senses(chain: VectorChain, swivel: VectorChain, record: MachineRecord)
             )
         axes[k] = replace(own, direction=other.direction)
     return replace(chain, axes=(axes[0], axes[1]))
-
-
-def _closed(chain: VectorChain, unit: float) -> VectorChain:
-    """Refuse swivel data whose closing vector closes nothing; one of zeros is of a head or table that is changed."""
-    for end in chain.open_ends(unit):
-        if end.vector.any() and end.others:
-            raise end.figure.origins[0].error(
-                f"is {_shown(end.vector)} and does not close the chain with {end.of_others}, which needs "
-                f"{_shown(end.wanted)}; correct one of them, or set it to 0 for a head or table that is changed"
-            )
-    return chain
 
 
 def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> None:
@@ -199,7 +189,11 @@ def _compare(chain: VectorChain, swivel: VectorChain, record: MachineRecord) -> 
 
 
 def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
-    """Say where a chain does not close; refuse a closing vector with the wrong sign."""
+    """Say where a chain does not close; refuse a closing vector with the wrong sign.
+
+    A chain closes where head and table are never changed (IM9). An open one is a machine too: the closing vector is in
+    the tool's length or in the zero offset, as in the manual's own example of a head (W1, 08/2005, page 2-92).
+    """
     for end in chain.open_ends(unit):
         shown, wanted = _shown(end.vector), _shown(end.wanted)
         if end.vector.any() and np.abs(end.vector + end.wanted).max() * unit < SAME:
@@ -208,7 +202,7 @@ def _check_open(chain: VectorChain, record: MachineRecord, unit: float) -> None:
             )
         record.remarks.append(
             f"{end.name} is {shown} [{record.length.value}] ({end.figure.origin}), and {wanted} would close the chain: "
-            "positions with the transformation and without differ by that, and so do zero offsets."
+            "positions with that and without differ by it, and so do zero offsets and tool lengths."
         )
 
 
@@ -221,8 +215,7 @@ def _turning(data: MachineData, axes: Mapping[int, ChannelAxis], chain: VectorCh
     if chain is None:
         found: dict[str, ChannelAxis] = {}
         for axis in axes.values():
-            spindle = data.figure("MA_SPIND_ASSIGN_TO_MACHAX", 0, axis.words)
-            if axis.letter not in tuple(TURNING) or (spindle is not None and spindle.number):
+            if axis.letter not in tuple(TURNING) or is_spindle(data, axis.words):
                 continue
             if axis.letter in found:
                 raise axis.origin.error(f"is the axis {axis.name}, as is {found[axis.letter].origin}; give one of both")
@@ -246,12 +239,18 @@ def _kind(data: MachineData, letter: str, axis: ChannelAxis) -> Figure:
 
 
 def _add_remarks(
-    axes: Mapping[int, ChannelAxis], joints: Mapping[str, ChannelAxis], chain: VectorChain | None, record: MachineRecord
-) -> None:
-    """What a person should know: axes that are no joints, and turns against ISO 841."""
+    data: MachineData, axes: Mapping[int, ChannelAxis], joints: Mapping[str, ChannelAxis], chain: VectorChain | None,
+    record: MachineRecord,
+) -> None:  # fmt: skip
+    """What a person should know: axes that are no joints, data of no axis, and turns against ISO 841."""
     others = [axis.name for axis in axes.values() if axis not in joints.values()]
     if others:
         record.remarks.append(f"No joints of this machine: {', '.join(others)}.")
+    words = {word for axis in axes.values() for word in axis.words}
+    strange = [word[:20] for word in data.axis_words() if word not in words and not word.startswith("AX")]
+    if strange:
+        shown = ", ".join(strange[:SHOWN]) + (", ..." if len(strange) > SHOWN else "")
+        record.remarks.append(f"$MA data of {shown} are not read: the channel has no such axis.")
     for name in chain.against_iso() if chain is not None else ():
         record.remarks.append(
             f"+{name} turns the tool, as the part sees it, against the right-hand rule, other than ISO 841 wants: is "
