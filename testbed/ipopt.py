@@ -16,9 +16,9 @@ from testbed.mesh_problem import mesh_problem
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import start_from
+from toolpace.planning.planned_run import AT_REST, EndState
 
 TOLERANCE = 1e-9
 STARTS = (0.4, 0.1, 0.02)

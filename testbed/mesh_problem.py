@@ -6,9 +6,9 @@ import numpy as np
 
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.problem import Problem, discretise
+from toolpace.planning.planned_run import AT_REST, EndState
 
 
 def mesh_problem(

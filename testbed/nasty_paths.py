@@ -19,7 +19,7 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.callable_run import CallableRun
 from toolpace.path.path import Path
 from toolpace.path.run import unit_jets
-from toolpace.planning.endstate import EndState
+from toolpace.planning.planned_run import EndState
 
 ANSWER, REFUSAL, EITHER = "answer", "refusal", "either"
 COARSE = (8, 9, 10, 13, 20, 50)

@@ -12,7 +12,7 @@ from testbed import nasty_paths
 from testbed.jets import along, beside, harmonics, path_of, standing
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import EndState
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 
 WAYS = ("default", "mesh", "motion")

@@ -10,8 +10,8 @@ import numpy as np
 from testbed.nasty_paths import ANSWER, REFUSAL, Nasty
 from toolpace.common.errors import ToolpaceError
 from toolpace.machine.limits import KINDS
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.planned_run import AT_REST
 from toolpace.planning.planner import plan
 
 

@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
-    from toolpace.motion.files.set_point_files import read_set_points
     from toolpace.motion.laws import Probe, TimeLaw
+    from toolpace.motion.set_point_files import read_set_points
     from toolpace.motion.setpoints import SetPoints
     from toolpace.motion.trajectory import OpenPlace, Skipped, Trajectory
     from toolpace.path.axis_path import AxisPath
@@ -52,11 +52,10 @@ if TYPE_CHECKING:
     from toolpace.path.path import Path
     from toolpace.path.run import PathJet, PathRun
     from toolpace.planning.bound.prove import prove
-    from toolpace.planning.endstate import EndState
     from toolpace.planning.genetic import Genetic
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.path_and_pace.alternating import Round
-    from toolpace.planning.planned_run import PlannedRun
+    from toolpace.planning.planned_run import EndState, PlannedRun
     from toolpace.planning.planner import Planner, plan
     from toolpace.planning.program_plan import ProgramPlan, plan_program
     from toolpace.planning.second_order import SecondOrder
@@ -186,7 +185,7 @@ _HOME = {
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces",
     "CuttingTool": "machine.cutting_tool",
-    "EndState": "planning.endstate",
+    "EndState": "planning.planned_run",
     "Engagement": "machine.cutting_tool",
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
@@ -251,7 +250,7 @@ _HOME = {
     "program_time": "controls.timing.program_time",
     "prove": "planning.bound.prove",
     "read": "programs.reading",
-    "read_set_points": "motion.files.set_point_files",
+    "read_set_points": "motion.set_point_files",
     "read_text": "programs.reading",
     "replan": "deflection.new_trajectory",
     "report": "results.report",

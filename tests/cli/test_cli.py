@@ -15,7 +15,7 @@ import toolpace as tp
 from toolpace.cli import demo_programs, main
 from toolpace.cli.app import app
 from toolpace.machine.machine import Machine
-from toolpace.machine.tables import pose_table
+from toolpace.machine.text import pose_table
 from toolpace.planning.limit_tolerances import PROMISED
 
 CONTRACT = {

@@ -12,9 +12,9 @@ import pytest
 import toolpace as tp
 from tests.support.tampering import Tamper, fails
 from toolpace.cli import demo_programs, main
-from toolpace.motion.files.trajectory_file import write_trajectory
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.trajectory_file import write_trajectory
 from toolpace.path.follow_run import FollowRun
 
 PLAN = ["-m", "xyzac-trunnion", "--effort", "low"]
@@ -58,7 +58,7 @@ def test_the_full_file_is_told_by_default_and_by_the_words_of_before(plans, tmp_
 
 
 def test_long_motions_are_compact_and_the_summary_says_how_to_have_arrays(plans, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("toolpace.motion.files.set_point_files.SMALL", 1e5)
+    monkeypatch.setattr("toolpace.motion.set_point_files.SMALL", 1e5)
     assert main(["plan", str(plans / "blade.ngc"), *PLAN, "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
     assert "plan.json, setpoints.compact, trajectory.compact, machine.toml" in said

@@ -18,10 +18,10 @@ from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
-from toolpace.planning.endstate import EndState
 from toolpace.planning.genetic import Genetic
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import Optimal
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 from toolpace.planning.second_order import SecondOrder
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
 from toolpace.machine.machine import FOLDER, Machine
-from toolpace.machine.tables import pose_table, poses
+from toolpace.machine.text import pose_table, poses
 
 
 def table(machine: Machine) -> np.ndarray:

@@ -9,8 +9,8 @@ import pytest
 from scipy.special import erf
 
 from toolpace.machine.limits import Limits
-from toolpace.motion.adaptive_sampling import closer_look, gained_in_a_ramp, stretches_unseen
 from toolpace.motion.laws import ClockLaw, Probe
+from toolpace.motion.usage import closer_look, gained_in_a_ramp, stretches_unseen
 from toolpace.path.axis_run import AxisRun
 
 LIMITS = Limits([1.0, 1.0], [10.0, 10.0], [1e3, 1e3])

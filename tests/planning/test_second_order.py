@@ -14,8 +14,8 @@ from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
-from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 from toolpace.planning.second_order import second_order_law
 

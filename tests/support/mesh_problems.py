@@ -9,11 +9,11 @@ import numpy as np
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.problem import discretise
 from toolpace.planning.optimal.solve import solve, start_from
+from toolpace.planning.planned_run import AT_REST, EndState
 
 
 def ingredients(seed, joints=None, breaks=True):

@@ -10,8 +10,7 @@ import numpy as np
 from toolpace.cli import main
 from toolpace.common.files.seal import KEY, write_seal
 from toolpace.machine.machine import Machine
-from toolpace.motion.files.compact_set_points import write_compact
-from toolpace.motion.files.set_point_files import read_set_points
+from toolpace.motion.set_point_files import read_set_points, write_compact
 from toolpace.motion.setpoints import SetPoints
 
 

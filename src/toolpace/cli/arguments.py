@@ -159,7 +159,7 @@ def tool_named(path: str | None) -> CuttingTool | None:
 
 def form_of_set_points(text: str) -> str:
     """How set-points are written: full, compact, auto or no."""
-    from toolpace.motion.files.set_point_files import form_named
+    from toolpace.motion.set_point_files import form_named
 
     return form_named("--npz", text)
 

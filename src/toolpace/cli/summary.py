@@ -12,7 +12,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
-from toolpace.motion.files.set_point_files import COMPACT_FILE, FULL_FILE, full_size
+from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
 
@@ -261,7 +261,7 @@ def show_machine(console: Console, machine: Machine) -> None:
 
 def show_poses(console: Console, machine: Machine) -> None:
     """The chain, and poses to compare with the real machine; lines are not broken, so that columns stay aligned."""
-    from toolpace.machine.tables import pose_table
+    from toolpace.machine.text import pose_table
 
     _head(console, machine)
     console.print(Text(f"Tip and tool axis in the frame of the part:\n{pose_table(machine.geometry)}"), soft_wrap=True)
@@ -269,7 +269,7 @@ def show_poses(console: Console, machine: Machine) -> None:
 
 def _head(console: Console, machine: Machine) -> None:
     """Name, note and chain."""
-    from toolpace.machine.tables import title
+    from toolpace.machine.text import title
 
     name, _, rest = title(machine.file, machine.kind).partition(": ")
     name, rest, note = printable(name), printable(rest), printable(machine.file.note)

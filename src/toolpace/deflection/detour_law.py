@@ -23,9 +23,8 @@ from toolpace.motion.laws import ChainLaw, LawPiece, QuinticLaw, TimeLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.limit_tolerances import KEPT_INTERVAL, PROMISED
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun
 from toolpace.planning.planner import Planner, planner_of
 
 if TYPE_CHECKING:

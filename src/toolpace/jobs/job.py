@@ -72,7 +72,7 @@ class Job:
     csv: bool = False
     report: bool = True
     npz: str = "auto"
-    """How set-points are written: "full", "compact", "auto" or "no" (motion/files/set_point_files.py)."""
+    """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
     source: Source | None = None
@@ -127,7 +127,7 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
     """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
     from toolpace.common.errors import UsageError
     from toolpace.common.files import free_disk
-    from toolpace.motion.files.set_point_files import form_of, full_size, size_of
+    from toolpace.motion.set_point_files import form_of, full_size, size_of
     from toolpace.motion.setpoints import refuse_too_many
 
     joints = len(job.machine.joints)
@@ -287,8 +287,8 @@ def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath:
     """
     from toolpace.common.errors import ReachError
     from toolpace.judge import motion_judge
-    from toolpace.motion.files.set_point_files import form_of
     from toolpace.motion.sampling import Sampling, each_block
+    from toolpace.motion.set_point_files import form_of
     from toolpace.motion.setpoints import in_memory
     from toolpace.programs.reading.setup_file import setup_text
     from toolpace.results import write

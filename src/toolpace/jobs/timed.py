@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.controls.timing.uncertainty import TimeRange
     from toolpace.machine.machine import Machine
-    from toolpace.motion.operation_times import OperationTime
+    from toolpace.motion.trajectory import OperationTime
     from toolpace.programs.reading import ReadOptions, Source
     from toolpace.programs.tolerances import Tolerances
 
@@ -150,7 +150,7 @@ def planned_job(source: Source, request: TimeRequest, figures: ControlFigures) -
 
 def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
-    from toolpace.motion.operation_times import operation_times
+    from toolpace.motion.trajectory import operation_times
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     job.warm_up(steps)

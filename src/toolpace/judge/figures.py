@@ -1,18 +1,22 @@
-"""A check of plan.json against set-points, machine and program.
+"""Checks of plan.json against set-points, machine and program; and of setpoints.csv against the set-points.
 
 What only the planner can know is held against what else is said; it is listed in AS_SAID, and nothing else is believed.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from toolpace.common.errors import printable
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError, printable
+from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.passing import OperationFigures, Passages
@@ -50,6 +54,12 @@ AS_SAID = (
     "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
+ROUNDING = 2e-14
+"""Of setpoints.csv: relative rounding of fifteen digits, and of the change of units."""
+CHUNK = 50_000
+"""Rows of setpoints.csv that are read at once, to keep memory low."""
+COLUMNS = (("", "q", ""), (" velocity", "qd", "/s"), (" acceleration", "qdd", "/s2"), (" jerk", "qddd", "/s3"))
+"""Of setpoints.csv: what its headings add to a joint's name and unit, and the field of `SetPoints` for each."""
 
 
 def told_tolerances(text: str, *, tip: bool) -> Tolerances:
@@ -242,3 +252,59 @@ class Figures:
             if not near.min() <= block <= near.max() or block not in every:
                 bad = f"block {place['block']} is not passed at {start:g} s"
         return [wrong("open_places", bad or f"{len(places)} places", not bad)]
+
+
+def with_table(found: Verification, path: Path, points: SetPoints, machine: Machine) -> Verification:
+    """A verification with the check of the table added."""
+    return replace(found, checks=(*found.checks, table_check(path, points, machine)))
+
+
+def table_check(path: Path, points: SetPoints, machine: Machine) -> Check:
+    """Whether each number of the table is that of the set-points, in millimetres and degrees."""
+    names, factors = _columns(points, machine)
+    values = [points.t[:, None], points.q, points.qd, points.qdd, points.qddd, points.tip, points.axis]
+    values.append(points.block[:, None].astype(np.float64))
+    try:
+        with path.open(encoding="ascii") as stream:
+            head = stream.readline().rstrip("\r\n").split(",")
+            if head != names:
+                return _wrong("its columns are not those of set-points in mm and deg")
+            row = 0
+            while row < len(points):
+                lines = list(itertools.islice(stream, min(CHUNK, len(points) - row)))
+                if not lines:
+                    break
+                table = np.loadtxt(lines, delimiter=",", ndmin=2)
+                part = slice(row, row + len(table))
+                right = np.hstack([value[part] for value in values]) * factors
+                if table.shape != right.shape or not _same(table, right):
+                    return _wrong(f"rows {row + 1} to {row + len(table)} hold other numbers than the set-points")
+                row += len(table)
+            if row < len(points) or stream.read(1):
+                return _wrong(f"it has not as many rows as there are set-points ({len(points)})")
+    except OSError as error:
+        raise UsageError(f"{path}: cannot read: {reason(error)}") from None
+    except ValueError:
+        return _wrong("it holds what is no number")
+    return Check("setpoints.csv", 0.0, 0.0, "", True, note="as the set-points")
+
+
+def _wrong(note: str) -> Check:
+    return Check("setpoints.csv", 0.0, 0.0, "", False, note=note)
+
+
+def _same(table: Floats, right: Floats) -> bool:
+    return bool((np.abs(table - right) <= ROUNDING * np.abs(right) + 1e-300).all())
+
+
+def _columns(points: SetPoints, machine: Machine) -> tuple[list[str], Floats]:
+    """Names with units, and the factors from SI."""
+    names, factors = ["t [s]"], [1.0]
+    for kind, _, per in COLUMNS:
+        for joint, rotary in zip(points.joints, machine.is_rotary):
+            names.append(f"{joint}{kind} [{'deg' if rotary else 'mm'}{per}]")
+            factors.append(180.0 / math.pi if rotary else 1e3)
+    if points.has_tool:
+        names += [f"tip {c} [mm]" for c in "xyz"] + [f"axis {c} [1]" for c in "ijk"]
+        factors += [1e3] * 3 + [1.0] * 3
+    return [*names, "block"], np.array([*factors, 1.0])

@@ -9,9 +9,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import MachineError, did_you_mean
+from toolpace.common.files.toml import toml_value
 from toolpace.machine.file import MachineFile
 from toolpace.machine.plausibility import check_chain
-from toolpace.machine.text import listed
 
 PARALLEL = 1e-6
 """Sine below which two directions count as parallel."""
@@ -201,7 +201,8 @@ def _order(file: MachineFile, rotary: tuple[str, str]) -> str:
             backwards = file.joints[order[0]].kind == "rotary" and file.joints[order[-1]].kind == "linear"
             meant = order[::-1] if backwards else tuple(other.get(name, name) for name in order)
             return (
-                f"[chain] {side} goes from the bed to the {side}, and is {listed(order)}; should it be {listed(meant)}?"
+                f"[chain] {side} goes from the bed to the {side}, and is {toml_value(list(order))};"
+                f" should it be {toml_value(list(meant))}?"
             )
     return f"should {second} be in [chain] workpiece, and {first} in tool?"
 

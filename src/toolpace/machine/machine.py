@@ -22,8 +22,7 @@ from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_betwe
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.plausibility import ask_about, check_chain, is_usual
-from toolpace.machine.tables import rows, title
-from toolpace.machine.text import machine_text
+from toolpace.machine.text import machine_text, rows, title
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
 

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from toolpace.motion.adaptive_sampling import closer_look, gained_in_a_ramp, least_changes
-from toolpace.motion.joints import Motion, joint_motion
-from toolpace.motion.usage import Usage, jerk_jumps, limit_ratios
+from toolpace.motion.usage import (
+    Motion,
+    Usage,
+    closer_look,
+    gained_in_a_ramp,
+    jerk_jumps,
+    joint_motion,
+    least_changes,
+    limit_ratios,
+)
 
 __all__ = [
     "Motion", "Usage", "closer_look", "gained_in_a_ramp", "jerk_jumps", "joint_motion", "least_changes", "limit_ratios",

@@ -21,8 +21,8 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints, number
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
-from toolpace.motion.joints import Motion
 from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource, refuse_too_many
+from toolpace.motion.usage import Motion
 
 if TYPE_CHECKING:
     from toolpace.path.axis_path import AxisPath

@@ -20,11 +20,10 @@ from toolpace.machine.limits import KINDS, Limits
 from toolpace.motion import closer_look
 from toolpace.motion.laws import QUINTIC_STATES, QuinticLaw
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.limit_tolerances import BRED
 from toolpace.planning.mesh.initial_guess import guess
 from toolpace.planning.options import Options, check_share, check_whole
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, check_state
 
 NODES = 33
 """Least points of an interval at which the genetic algorithm looks at the limits; the result is checked at more."""

@@ -11,9 +11,8 @@ from toolpace.common.workers import Workers
 from toolpace.kernels.motion import spline_peaks, usage
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.adaptive_sampling import IN_A_STRETCH, beside_tops, unexplained
 from toolpace.motion.laws import LinearLaw, SplineLaw
-from toolpace.motion.usage import ratios_along
+from toolpace.motion.usage import IN_A_STRETCH, beside_tops, ratios_along, unexplained
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.path_at_probes import CachedPath, PathAtProbes
 

@@ -28,8 +28,7 @@ from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
 from toolpace.path.path import Path
-from toolpace.planning.endstate import AT_REST, EndState
-from toolpace.planning.planned_run import PlannedRun, total_bound
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, total_bound
 from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:

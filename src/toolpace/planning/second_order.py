@@ -18,13 +18,12 @@ from toolpace.kernels.planners import reachability
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import LinearLaw
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.limit_tolerances import ALLOWED, GUARANTEE
 from toolpace.planning.mesh.nodes import cut_cells, with_breaks
 from toolpace.planning.mesh.path_detail import detail
 from toolpace.planning.options import Options, check_flag, check_mesh
 from toolpace.planning.peaks import CHUNK, peaks_of
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, check_state
 
 PILOT = 400
 """Even cells of the first solve, which tells where the time goes."""

@@ -15,7 +15,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
-from toolpace.motion.files.set_point_files import read_set_points, set_points_file
+from toolpace.motion.set_point_files import read_set_points, set_points_file
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.charts import tip_speed
 from toolpace.results.report.shell import whole_page

@@ -15,8 +15,8 @@ from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import quintic_through
 from toolpace.path.path import Path
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.genetic import Genetic, Intervals, preset, reference_points, with_bred_periods
+from toolpace.planning.planned_run import AT_REST
 from toolpace.planning.planner import plan
 from toolpace.study.literal import LiteralWay, literal_way
 

@@ -9,10 +9,9 @@ from testbed.one_program.generate import generate
 from testbed.one_program.run import WRITERS, controller, machine, set_up
 from testbed.one_program.writer import CannotWriteError
 from toolpace.common.errors import UsageError
-from toolpace.controls.export.block_times import Passes
 from toolpace.controls.export.feed_words import Cldata, Klartext, Sinumerik, WordAddress
 from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, strays
-from toolpace.controls.export.rewriting import ProgramText, figure, rounding
+from toolpace.controls.export.rewriting import Passes, ProgramText, figure, rounding
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import Controller, ReadOptions, Source, read_source
 from toolpace.programs.reading.languages import with_controller

@@ -11,9 +11,9 @@ from tests.support.thinned import every
 from toolpace import read
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export import export
-from toolpace.controls.export.block_times import Passes
 from toolpace.controls.export.planned_feeds import Job
 from toolpace.controls.export.program import Program
+from toolpace.controls.export.rewriting import Passes
 from toolpace.programs.reading import read_source
 
 F = re.compile(rb"\s*(?<![A-Za-z])(?:F(?:\[[^\]]*\]|[0-9.]+)|G93|G94)")

@@ -19,8 +19,8 @@ from toolpace.controls.export.fifo import Fifo
 from toolpace.controls.export.linuxcnc.inverse_time import InverseTime
 from toolpace.controls.export.linuxcnc.streamer import Streamer
 from toolpace.controls.export.program import Program
+from toolpace.controls.export.rows import tool_changes
 from toolpace.controls.export.table import Table
-from toolpace.controls.export.tool_changes import tool_changes
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
 

@@ -14,8 +14,7 @@ from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
 from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
-from toolpace.controls.fitting.motion_log import MotionLog, load_log, sustained_accelerations, trimmed
-from toolpace.controls.fitting.written_times import WrittenTime
+from toolpace.controls.fitting.measured import MotionLog, WrittenTime, load_log, sustained_accelerations, trimmed
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves, with_range
 from toolpace.programs.commanded import Commanded

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from toolpace.common.errors import UsageError
-from toolpace.controls.fitting.written_times import load_written_times, written_time
+from toolpace.controls.fitting.measured import load_written_times, written_time
 
 
 @pytest.mark.parametrize(

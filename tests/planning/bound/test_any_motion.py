@@ -11,7 +11,7 @@ from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
 from toolpace.planning.bound.continuous import continuous_bound, is_cheap, with_continuous_bound
-from toolpace.planning.endstate import EndState
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 
 

@@ -15,8 +15,8 @@ from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
 from toolpace.planning.bound.continuous import continuous_bound, gauss, widest_at_breaks
-from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import EndState
 
 
 @pytest.mark.parametrize(

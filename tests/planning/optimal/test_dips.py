@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from toolpace.motion.laws import SplineLaw
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.optimal.meshed_run import FLOOR, lowest_z, on_finer_mesh, too_short, without_undershoot
 from toolpace.planning.optimal.problem import OnMesh
 from toolpace.planning.optimal.solve import pinned
+from toolpace.planning.planned_run import AT_REST
 
 NODES = np.linspace(0.2, 0.8, 31)
 REST = (0.02, 0.02)

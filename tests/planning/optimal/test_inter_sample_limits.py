@@ -14,7 +14,6 @@ from toolpace.machine.machine import Machine
 from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.limit_tolerances import GUARANTEE
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import inter_sample_limits
@@ -24,6 +23,7 @@ from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.optimal.solve import LIMITS, Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.peaks import LimitCheck, Peaks
+from toolpace.planning.planned_run import AT_REST
 
 WORKERS = Workers()
 LOOSE = Limits([1.0], [1e6], [1e12])

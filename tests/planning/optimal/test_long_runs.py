@@ -22,7 +22,6 @@ from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import relaxation as bounds
 from toolpace.planning.bound.relaxation import bound_long_run, bound_run
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
 from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
@@ -30,6 +29,7 @@ from toolpace.planning.optimal import meshed_run, windows
 from toolpace.planning.optimal.inter_sample_limits import easing, slowing, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import AT_REST, EndState
 from toolpace.planning.planner import plan
 
 CELLS = 9000

@@ -8,8 +8,8 @@ import pytest
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 
 

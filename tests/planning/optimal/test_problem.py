@@ -10,9 +10,9 @@ from tests.support.random_paths import random_limits
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.laws import SplineLaw
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.optimal.problem import OnMesh, discretise, rest_cap, weights, with_rows_between
 from toolpace.planning.optimal.solve import pinned
+from toolpace.planning.planned_run import AT_REST, EndState
 
 LOOSE = Limits([1e3] * 3, [1e7] * 3, [1e11] * 3)
 """Limits of joints that no motion within the feeds below comes near."""

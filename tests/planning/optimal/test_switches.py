@@ -15,9 +15,9 @@ from tests.support.tool_paths import toolpath_through
 from tests.support.usage import dense_usage
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import EndState
 from toolpace.planning.planner import plan
 
 CELLS = 1000

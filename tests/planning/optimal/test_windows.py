@@ -11,12 +11,12 @@ import pytest
 from tests.support.mesh_problems import ingredients
 from toolpace.common.workers import Workers
 from toolpace.path.axis_path import AxisPath
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import windows
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import SEAM_LOSS, WINDOW, Stretch, mend, solve_run, stretches
+from toolpace.planning.planned_run import AT_REST
 
 CELLS = 200
 

@@ -17,14 +17,13 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.judge import Check, Verification, verify_plan
-from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances
-from toolpace.judge.table import with_table
+from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances, with_table
 from toolpace.machine.machine import Machine
-from toolpace.motion.files.set_point_files import read_set_points
-from toolpace.motion.files.trajectory_file import TRAJECTORY, read_trajectory
 from toolpace.motion.sampling import Sampling, each_block, grids
+from toolpace.motion.set_point_files import read_set_points
 from toolpace.motion.setpoints import Block, SetPoints
 from toolpace.motion.trajectory import Trajectory
+from toolpace.motion.trajectory_file import TRAJECTORY, read_trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun

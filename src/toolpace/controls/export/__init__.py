@@ -19,8 +19,7 @@ import msgspec
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.files import whole_folder
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.target import ReadBack, Target, Written
+from toolpace.controls.export.target import PlannedMotion, ReadBack, Target, Written
 from toolpace.motion.trajectory import Trajectory
 
 __all__ = [

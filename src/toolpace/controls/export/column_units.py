@@ -11,8 +11,8 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import ANGLES, LENGTHS, format_angle, format_length
-from toolpace.controls.export.motion import PlannedMotion
 from toolpace.controls.export.rows import CHUNK
+from toolpace.controls.export.target import PlannedMotion
 from toolpace.motion.setpoints import SetPoints
 
 MOST_COUNTS = 2.0**53

@@ -12,10 +12,9 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
-from toolpace.controls.export.block_times import Passes, pose
 from toolpace.controls.export.feed_words import LANGUAGES
-from toolpace.controls.export.motion import PlannedMotion
-from toolpace.controls.export.rewriting import ProgramText, Rewriting, Rewritten, figure
+from toolpace.controls.export.rewriting import Passes, ProgramText, Rewriting, Rewritten, figure, pose
+from toolpace.controls.export.target import PlannedMotion
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading import ReadOptions, Source, read_source

@@ -18,12 +18,10 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
-from toolpace.controls.export.block_times import pose
 from toolpace.controls.export.feed_words import NUMBER, code_of
-from toolpace.controls.export.motion import PlannedMotion, provenance
 from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, strays
-from toolpace.controls.export.rewriting import Rewritten, rounding
-from toolpace.controls.export.target import ReadBack, Written
+from toolpace.controls.export.rewriting import Rewritten, pose, rounding
+from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance
 from toolpace.controls.timing.program_time import figures_for, moves_of, time_of_moves
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading import Source

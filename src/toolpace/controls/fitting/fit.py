@@ -18,15 +18,17 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.controls.fitting.least_squares import Fit, Fitting, Measured, parameters_of
-from toolpace.controls.fitting.motion_log import (
+from toolpace.controls.fitting.measured import (
     MotionLog,
+    WrittenTime,
     is_log,
     load_log,
+    load_written_times,
     noise_of,
     progress,
     sustained_accelerations,
+    written_time,
 )
-from toolpace.controls.fitting.written_times import WrittenTime, load_written_times, written_time
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.controls.timing.program_time import PartTime, parts_of
 from toolpace.controls.timing.uncertainty import limits_by_axis

@@ -12,13 +12,12 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
 from toolpace.controls.timing.axis_motion import axis_ways
-from toolpace.controls.timing.blocks import MotionProfile, rests, room_of
+from toolpace.controls.timing.blocks import MotionProfile, lookahead_profile, rests, room_of
 from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
 from toolpace.controls.timing.fanuc import fanuc_profile
 from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
 from toolpace.controls.timing.heidenhain import heidenhain_profile
 from toolpace.controls.timing.linuxcnc import FAR, LinuxCNC, linuxcnc_times
-from toolpace.controls.timing.lookahead import lookahead_profile
 from toolpace.controls.timing.sinumerik import sinumerik_profile
 from toolpace.controls.timing.uncertainty import TimeRange, time_range
 from toolpace.programs.commanded import BLENDED, Commanded
@@ -30,7 +29,7 @@ from toolpace.programs.toolpath import ToolPath
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
-    from toolpace.motion.operation_times import OperationTime
+    from toolpace.motion.trajectory import OperationTime
     from toolpace.programs.reading import Controller
     from toolpace.programs.toolpath import Operation
 

@@ -22,8 +22,14 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.controls.timing.axis_motion import AxisWays, Transitions, axis_ways, least_ratio
-from toolpace.controls.timing.blocks import MotionProfile, cruise_speeds, profile_along, rests, room_of
-from toolpace.controls.timing.chains import profile_along_chains
+from toolpace.controls.timing.blocks import (
+    MotionProfile,
+    cruise_speeds,
+    profile_along,
+    profile_along_chains,
+    rests,
+    room_of,
+)
 from toolpace.controls.timing.figures import ControlFigures, limits_of, off_the_path
 from toolpace.programs.commanded import Commanded
 

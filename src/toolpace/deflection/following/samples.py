@@ -14,7 +14,7 @@ from toolpace.common.units import format_time
 from toolpace.kernels.follow.layout import JOINTS
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.motion.recorded_path import RecordedRun
+from toolpace.motion.plan_folder import RecordedRun
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 

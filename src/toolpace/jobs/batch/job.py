@@ -98,7 +98,7 @@ class BatchJob:
     """Options of that target, as `tp.export` has them."""
 
     def __post_init__(self) -> None:
-        from toolpace.motion.files.set_point_files import form_named
+        from toolpace.motion.set_point_files import form_named
         from toolpace.planning.planner import PLANNERS
         from toolpace.planning.program_plan import EFFORTS
 

@@ -23,11 +23,11 @@ from toolpace.path.fit.spline import spline_values
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
-from toolpace.planning.endstate import AT_REST
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.mesh.nodes import STEPS_A_RAMP
 from toolpace.planning.optimal.problem import discretise
 from toolpace.planning.optimal.solve import pinned
+from toolpace.planning.planned_run import AT_REST
 
 FEWEST, MOST = 4_000, 50_000
 """Cells of the mesh; a run whose plan needs more has no such bound."""

@@ -14,8 +14,8 @@ from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import PADDING, Knots
 from toolpace.planning.bound.relaxation import STANDS_STILL, coefficients, problem_of, relaxed
-from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import ramp_time
+from toolpace.planning.planned_run import EndState
 
 PLACE_RAMPS = 7.0
 """How far around an open place the multipliers may change, in times in which an acceleration builds up."""

@@ -30,11 +30,10 @@ from toolpace.planning.bound.relaxation import (
     problem_of,
     relaxed,
 )
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
-from toolpace.planning.planned_run import PlannedRun, total_bound
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, total_bound
 
 GAP = 1e-4
 """What is to be proved, unless something else is asked for: duration / bound - 1."""

@@ -23,9 +23,9 @@ from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import OpenPlace
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within
-from toolpace.planning.endstate import AT_REST, EndState
 from toolpace.planning.mesh.initial_guess import fleeting, highest_of, ramp_time, steady_speed
 from toolpace.planning.optimal.problem import HIGHEST, OnMesh, Problem, discretise, weights
+from toolpace.planning.planned_run import AT_REST, EndState
 
 TOLERANCE = 1e-5
 """What the bound may lose to an end of the iteration ahead of time, relative to the duration."""

@@ -29,13 +29,13 @@ from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.gap_localisation import GapInterval, gap_interval_of
 from toolpace.planning.bound.prove import prove_run
 from toolpace.planning.bound.relaxation import Bound, bound_run, highest_speed
-from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
 from toolpace.planning.optimal.inter_sample_limits import held_between_nodes
 from toolpace.planning.optimal.meshed_run import KEPT, MeshedRun, on_finer_mesh, too_short
 from toolpace.planning.optimal.solve import Stalled, pinned, slower
 from toolpace.planning.optimal.windows import solve_run
+from toolpace.planning.planned_run import EndState
 
 FAR = 0.02
 """Gap above which a plan is worth another try."""

@@ -13,7 +13,6 @@ from toolpace.kernels.optimal import limit_rows
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import ALLOWED
 from toolpace.planning.mesh.initial_guess import Guess, ramp_time
 from toolpace.planning.mesh.nodes import cut_cells
@@ -21,6 +20,7 @@ from toolpace.planning.optimal.problem import OnMesh, Problem, discretise, with_
 from toolpace.planning.optimal.solve import pinned
 from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.peaks import LimitCheck, Peaks
+from toolpace.planning.planned_run import EndState
 
 LEAST_REACH = 20
 """Fewest nodes on either side of a place that is mended."""

@@ -25,7 +25,6 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
-from toolpace.planning.endstate import AT_REST, EndState, check_state
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
 from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
@@ -34,7 +33,7 @@ from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.options import Options, check_flag, check_mesh
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, check_state
 
 START_SHARE = 0.4
 """Share of the guess at which a solve starts: well inside, where an interior point is quickest."""

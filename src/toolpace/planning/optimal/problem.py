@@ -12,11 +12,11 @@ from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
-from toolpace.motion.adaptive_sampling import unexplained
+from toolpace.motion.usage import unexplained
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import EndState
 from toolpace.planning.mesh.initial_guess import highest_of
 from toolpace.planning.path_at_probes import CachedPath
+from toolpace.planning.planned_run import EndState
 
 AT_NODE = 0.02
 """Share of a cell up to which a break belongs to a node: breaks closer together than nodes are one place."""

@@ -22,9 +22,8 @@ from toolpace.common.workers import Progress, Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.endstate import EndState
 from toolpace.planning.optimal.planner import Optimal
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import EndState, PlannedRun
 from toolpace.planning.planner import Planner
 
 CRAWLING, CRAWL_LOOKS = 1e-2, 256

@@ -26,13 +26,12 @@ from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
 from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
-from toolpace.planning.endstate import EndState
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation
 from toolpace.planning.path_and_pace.local_refit import refitted
 from toolpace.planning.path_and_pace.segment import THOROUGH
-from toolpace.planning.planned_run import PlannedRun
+from toolpace.planning.planned_run import EndState, PlannedRun
 from toolpace.planning.planner import plan
 from toolpace.programs.toolpath import ToolPath
 

@@ -13,8 +13,8 @@ import numpy as np
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.machine.limits import KINDS
-from toolpace.motion.operation_times import OperationTime, operation_times
 from toolpace.motion.setpoints import SetPointSource
+from toolpace.motion.trajectory import OperationTime, operation_times
 from toolpace.results.report.charts import (
     NOTHING,
     Curves,

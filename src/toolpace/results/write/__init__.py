@@ -15,19 +15,19 @@ import numpy as np
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, sealed_files, whole_file, whole_folder
 from toolpace.machine.machine import Machine
-from toolpace.motion.files.compact_set_points import CompactWriter
-from toolpace.motion.files.set_point_files import (
+from toolpace.motion.sampling import each_block
+from toolpace.motion.set_point_files import (
     COMPACT_FILE,
     FULL_FILE,
     MACHINE,
+    CompactWriter,
     file_of,
     form_of,
     set_points_file,
 )
-from toolpace.motion.files.trajectory_file import TRAJECTORY, is_writable, write_trajectory
-from toolpace.motion.sampling import each_block
 from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
+from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (

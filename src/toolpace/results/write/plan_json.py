@@ -15,8 +15,7 @@ from toolpace.common.files import SEAL, reason, whole_file
 from toolpace.programs.tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from toolpace.motion.operation_times import OperationTime
-    from toolpace.motion.trajectory import Trajectory
+    from toolpace.motion.trajectory import OperationTime, Trajectory
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.programs.toolpath import ToolPath
 

@@ -14,10 +14,10 @@ from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
 from toolpace.machine.cutting_tool import CuttingTool
-from toolpace.motion.files.compact_set_points import CompactWriter
-from toolpace.motion.operation_times import operation_times
 from toolpace.motion.sampling import each_block
+from toolpace.motion.set_point_files import CompactWriter
 from toolpace.motion.setpoints import Block, SetPointSource
+from toolpace.motion.trajectory import operation_times
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions

@@ -13,7 +13,7 @@ from tests.support.sinumerik import SINUMERIK, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.sinumerik.cycles.strokes import strokes_of
+from toolpace.programs.reading.sinumerik.cycles.hole_geometry import strokes_of
 
 STRICT = msgspec.structs.replace(SINUMERIK, options=SINUMERIK.options | {"strict_cycles": True})
 

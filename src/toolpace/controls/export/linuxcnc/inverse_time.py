@@ -24,9 +24,8 @@ from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
 from toolpace.controls.export.linuxcnc.guard import ABOVE, GUARD, LIMITS, MOST_JOINTS, Guard, stamp_of, stops_at
 from toolpace.controls.export.linuxcnc.stream_text import Section, StreamText, longer_by, sections_of
-from toolpace.controls.export.motion import PlannedMotion, provenance
 from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every
-from toolpace.controls.export.target import ReadBack, Written
+from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance
 
 FILE = "stream.ngc"
 AXES = "XYZABCUVW"

@@ -11,9 +11,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.controls.export.linuxcnc.guard import ARMED, PLAN, Guard
-from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
-from toolpace.controls.export.rows import Rows
-from toolpace.controls.export.tool_changes import tool_changes, tool_lengths
+from toolpace.controls.export.rows import Rows, tool_changes, tool_lengths
+from toolpace.controls.export.target import PlannedMotion, provenance, start_in_words
 
 SAME = 1e-9
 """Relative difference of times that are one."""

@@ -17,10 +17,8 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.common.units import format_time
-from toolpace.controls.export.motion import PlannedMotion, provenance, start_in_words
-from toolpace.controls.export.rows import CHUNK, refuse_no_cycle, rows_every
-from toolpace.controls.export.target import ReadBack, Written
-from toolpace.controls.export.tool_changes import refuse_tool_changes
+from toolpace.controls.export.rows import CHUNK, refuse_no_cycle, refuse_tool_changes, rows_every
+from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance, start_in_words
 from toolpace.controls.hal import approach
 
 ROWS, HAL = "rows.txt", "play.hal"

@@ -118,7 +118,7 @@ def _together(words: str, unit: str, found: dict[str, Figure | None]) -> Iterato
 def _timing(
     parameters: Parameters, axes: Sequence[Axis], record: MachineRecord
 ) -> Iterator[tuple[str, Figure]]:
-    """Figures of the model `fanuc` (controls/timing/makers.py); of several axes the one that slows down most."""
+    """Figures of the model `fanuc` (controls/timing/figures.py); of several axes the one that slows down most."""
     millimetres = 25.4 if parameters.inch[0] else 1.0
     linear, turning = ([axis for axis in axes if axis.rotary == rotary] for rotary in (False, True))
     for number, key, group, scale in (

@@ -208,7 +208,7 @@ def _modulo(texts: Texts, letters: dict[str, int], letter: str) -> Origin | None
 
 
 def _timing(texts: Texts, letters: dict[str, int], joints: Sequence[str]) -> Iterator[tuple[str, Figure]]:
-    """Figures of the model `heidenhain` (controls/timing/makers.py)."""
+    """Figures of the model `heidenhain` (controls/timing/figures.py)."""
     for name, key in (("maxPathJerk", "path_jerk"), ("maxPathJerkHi", "path_jerk_rapid"),
                       ("minCornerFeed", "least_corner_feed"), ("minPathFeed", "least_path_feed")):  # fmt: skip
         figure = _of_path(texts, name)

@@ -9,9 +9,8 @@ from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.machine_moves import reference
 from toolpace.programs.reading.coordinates.affine import IDENTITY
 from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.sinumerik.cycles.hole_geometry import mill_thread, places
 from toolpace.programs.reading.sinumerik.cycles.holes import Holes
-from toolpace.programs.reading.sinumerik.cycles.patterns import places
-from toolpace.programs.reading.sinumerik.cycles.strokes import mill_thread
 from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
 from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run

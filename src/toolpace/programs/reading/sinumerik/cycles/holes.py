@@ -11,7 +11,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import FEED_OUT, MOST_PECKS, RAPID_OUT, Drilling, drill
 from toolpace.programs.reading.control.feed import INVERSE
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.sinumerik.cycles.strokes import (
+from toolpace.programs.reading.sinumerik.cycles.hole_geometry import (
     Along,
     Levels,
     pitch_of,

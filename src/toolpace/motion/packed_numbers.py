@@ -1,4 +1,4 @@
-"""Doubles as whole numbers on a grid, and columns of small whole numbers packed into few bytes.
+"""Doubles, columns of small whole numbers, and coefficients of splines, packed into few bytes.
 
 Numbers of a motion are multiples of a power of two (motion/sampling.py), so that they are whole numbers beside an
 exponent. What is left of these by a good prediction is small. It is packed as
@@ -6,6 +6,11 @@ exponent. What is left of these by a good prediction is small. It is packed as
     exponents and widths -- bytes of all numbers, the lowest of each first, then the next ... -- zlib, runs only
 
 Of the formats tried (docs/design/set_points.md) this one needs no other library, and is as small as the best.
+
+Splines are of degree five, and each piece is packed by what the one before it predicts. All derivatives but the fifth
+go on at a break, so that the Taylor shift of a piece by its length predicts five of the six coefficients of the next up
+to rounding. What is left, by the bits of the numbers, takes about a byte. Every `STRETCH` pieces a prediction begins
+anew: stretches are packed and unpacked side by side.
 """
 
 from __future__ import annotations
@@ -25,6 +30,8 @@ AS_THEY_ARE = 1 << 14
 """In place of an exponent: the numbers are on no grid, and their bits are taken."""
 _LEVEL, _WINDOW, _MEMORY = 6, 15, 9
 """Of zlib; with runs only the level says nothing."""
+STRETCH = 64
+"""Pieces in a row of which each is predicted by the one before."""
 
 
 class DamagedError(ValueError):
@@ -100,3 +107,39 @@ def unpack(data: bytes, rows: int, columns: int, exponents: int) -> tuple[list[I
         folded = octets.view("<u8").ravel().astype(np.uint64, copy=False)
         found.append((folded >> np.uint64(1)).view(np.int64) ^ -(folded & np.uint64(1)).view(np.int64))
     return found, np.frombuffer(content, "<i2", exponents).tolist()
+
+
+def left_of_splines(coefficients: Floats, lengths: Floats) -> Ints:
+    """(6, d, n) what a prediction leaves of the coefficients (n, 6, d) of pieces of these lengths (n,)."""
+    bits = bits_of(coefficients).reshape(coefficients.shape)
+    guess = np.zeros_like(bits)
+    with np.errstate(all="ignore"):
+        guess[1:] = bits_of(shifted(coefficients[:-1], lengths[:-1])).reshape(guess[1:].shape)
+    guess[::STRETCH] = 0
+    return np.ascontiguousarray((bits - guess).transpose(1, 2, 0))
+
+
+def splines_of(left: Ints, lengths: Floats) -> Floats:
+    """The coefficients (n, 6, d) that `left_of_splines` took."""
+    orders, columns, count = left.shape
+    stretches = -(-count // STRETCH)
+    rows = np.zeros((stretches * STRETCH, orders, columns), dtype=np.int64)
+    rows[:count] = left.transpose(2, 0, 1)
+    h = np.zeros(stretches * STRETCH)
+    h[:count] = lengths
+    rows, h = rows.reshape(stretches, STRETCH, orders, columns), h.reshape(stretches, STRETCH)
+    with np.errstate(all="ignore"):
+        for k in range(1, STRETCH):
+            before = np.ascontiguousarray(rows[:, k - 1]).view(np.float64)
+            rows[:, k] += bits_of(shifted(before, h[:, k - 1])).reshape(before.shape)
+    found: Floats = rows.reshape(-1, orders, columns)[:count].view(np.float64)
+    return found
+
+
+def shifted(coefficients: Floats, lengths: Floats) -> Floats:
+    """(n, 6, d) the Taylor coefficients at the right ends of pieces, by Horner's rule (Shaw and Traub, 1974)."""
+    found, h = coefficients.copy(), lengths[:, None]
+    for first in range(found.shape[1] - 1):
+        for order in range(found.shape[1] - 2, first - 1, -1):
+            found[:, order] += h * found[:, order + 1]
+    return found

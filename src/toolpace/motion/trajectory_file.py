@@ -2,8 +2,8 @@
 
     "toolpace trajectory 2" -- a line of JSON: of each run its law's kind, and how long its arrays are -- the arrays
 
-Each array holds that of all runs, one after the other, as a packed column (packed_integers.py) behind its length in
-bytes; coefficients of the path's pieces are packed by packed_splines.py. Set-points are a sampling of this; what it
+Each array holds that of all runs, one after the other, as a packed column (packed_numbers.py) behind its length in
+bytes; coefficients of the path's pieces are packed beside them. Set-points are a sampling of this; what it
 tells is the plan itself, at any time. How far the fit found the path off its program is not in it: that is measured,
 not kept.
 """
@@ -22,9 +22,8 @@ import numpy as np
 from toolpace.common.arrays import Ints
 from toolpace.common.files import whole_file
 from toolpace.common.files.atomic import read_binary
-from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
-from toolpace.motion.files.packed_splines import left_of_splines, splines_of
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
+from toolpace.motion.packed_numbers import DamagedError, bits_of, left_of_splines, pack, splines_of, unpack
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.follow_run import Branch, FollowRun
 from toolpace.path.run import SplineRun

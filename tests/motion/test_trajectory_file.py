@@ -10,8 +10,8 @@ import pytest
 
 import toolpace as tp
 from toolpace.common.errors import UsageError
-from toolpace.motion.files.packed_splines import STRETCH, left_of_splines, splines_of
-from toolpace.motion.files.trajectory_file import MAGIC, is_writable, read_trajectory, write_trajectory
+from toolpace.motion.packed_numbers import STRETCH, left_of_splines, splines_of
+from toolpace.motion.trajectory_file import MAGIC, is_writable, read_trajectory, write_trajectory
 
 PLANNERS = ("optimal", "second-order", "genetic")
 

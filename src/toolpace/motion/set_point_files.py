@@ -1,40 +1,130 @@
-"""setpoints.compact: set-points exactly, in about a thirtieth of the room.
+"""The set-points of a plan on disk: setpoints.npz, which anybody can read, or setpoints.compact, a thirtieth of it.
+
+setpoints.compact holds set-points exactly:
 
     "toolpace set-points 1" -- a line of JSON: joints, time step, rows, columns of the tool -- blocks of 32768 rows
 
 A block is its length in bytes, a number of four bytes, and the packed whole numbers of its columns
-(packed_integers.py): times by their bits, less those of the time step; positions and derivatives, less what is
-predicted (set_point_prediction.py); block numbers and lengths of tools, less the one before; tip and axis by their
-bits, less those of forward kinematics, so that nothing is left. Blocks are worked on by all cores.
+(packed_numbers.py): times by their bits, less those of the time step; positions and derivatives, less what is
+predicted; block numbers and lengths of tools, less the one before; tip and axis by their bits, less those of forward
+kinematics, so that nothing is left. Blocks are worked on by all cores.
+
+Of positions fifth differences are left. Derivatives are predicted by central differences over time steps dt:
+
+    velocity      (45 (q[+1] - q[-1]) - 9 (q[+2] - q[-2]) + (q[+3] - q[-3])) / (60 dt)
+    acceleration  2 (q[+1] - 2 q + q[-1]) / dt^2 - (v[+1] - v[-1]) / (2 dt)
+    jerk          (8 (a[+1] - a[-1]) - (a[+2] - a[-2])) / (12 dt)
+
+Each takes what is known already, so all rows are predicted at once, in writing and in reading alike. Every operation
+rounds as IEEE 754 says, one after the other, so that both predict the same on any computer.
 """
 
 from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from itertools import islice
+from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import msgspec
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
 from toolpace.common.files.atomic import read_binary
 from toolpace.common.workers import Workers
-from toolpace.motion.files.packed_integers import DamagedError, bits_of, pack, unpack
-from toolpace.motion.files.set_point_prediction import KINDS, jets_of, residuals
+from toolpace.machine.machine import Machine
+from toolpace.motion.packed_numbers import (
+    AS_THEY_ARE,
+    DamagedError,
+    bits_of,
+    pack,
+    unpack,
+    values_of,
+    whole_numbers,
+)
 from toolpace.motion.sampling import each_block
 from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
+ORDER = 5
+"""Of the differences of positions: of the orders 3 to 7 this one leaves the fewest bits (docs/design/set_points.md)."""
+KINDS = 4
+"""Columns of a joint: position and three derivatives."""
+REACH = (0, 3, 1, 2)
+"""Rows before and behind that a prediction takes."""
+_LARGEST = 2.0**62
+"""A prediction beyond is none."""
 MAGIC = b"toolpace set-points 1\n"
 LONGEST_HEAD = 1 << 16
 """Most bytes of the line of JSON."""
+FULL_FILE, COMPACT_FILE, MACHINE = "setpoints.npz", "setpoints.compact", "machine.toml"
+"""Names of the files."""
+FORMS = ("auto", "full", "compact", "no")
+"""How set-points are written; auto: in full where that is small."""
+OLD_WORDS = {"all": "full", "none": "no", True: "full", False: "no"}
+"""What was said before, and is still understood."""
+SMALL = 20e6
+"""Most bytes of a file that auto writes in full."""
+ROUGHLY = 0.5
+"""Bytes of the compact file for each number of a row of the full one, as measured on long programs: 0.3 to 0.4."""
+
+
+def residuals(jets: Floats, dt: float) -> tuple[list[Ints], list[int]]:
+    """What is left (n,) of each of a joint's columns (4, n), and the exponents of their grids, for `jets_of`."""
+    left, exponents = [], []
+    for kind in range(KINDS):
+        numbers, exponent = whole_numbers(jets[kind])
+        if kind == 0:
+            for _ in range(ORDER):
+                numbers = np.diff(numbers, prepend=np.int64(0))
+        else:
+            numbers = numbers - predicted(jets, kind, dt, exponent)
+        left.append(numbers)
+        exponents.append(exponent)
+    return left, exponents
+
+
+def jets_of(left: list[Ints], exponents: list[int], dt: float, out: Floats) -> None:
+    """Put the columns (4, n) that `residuals` took into `out`. Raises DamagedError for exponents of none."""
+    for kind in range(KINDS):
+        numbers = left[kind]
+        if kind == 0:
+            for _ in range(ORDER):
+                numbers = np.cumsum(numbers)
+        else:
+            numbers = numbers + predicted(out, kind, dt, exponents[kind])
+        out[kind] = values_of(numbers, exponents[kind])
+
+
+def predicted(jets: Floats, kind: int, dt: float, exponent: int) -> Ints:
+    """(n,) the whole numbers of a derivative that the columns before it in jets (4, n) tell; zeros at the ends."""
+    count, reach = jets.shape[1], REACH[kind]
+    guess = np.zeros(count, dtype=np.int64)
+    if exponent == AS_THEY_ARE or count <= 2 * reach:
+        return guess
+
+    def across(values: Floats, steps: int) -> Floats:
+        """What values (n,) change by from so many steps before to as many behind."""
+        return values[reach + steps : count - reach + steps] - values[reach - steps : count - reach - steps]
+
+    q, v, a, _ = jets
+    with np.errstate(all="ignore"):
+        if kind == 1:
+            found = (45.0 * across(q, 1) - 9.0 * across(q, 2) + across(q, 3)) / (60.0 * dt)
+        elif kind == 2:
+            found = 2.0 * ((q[2:] - q[1:-1]) - (q[1:-1] - q[:-2])) / (dt * dt) - across(v, 1) / (2.0 * dt)
+        else:
+            found = (8.0 * across(a, 1) - across(a, 2)) / (12.0 * dt)
+        found = np.rint(found * 2.0**-exponent)
+        guess[reach : count - reach] = np.where(np.abs(found) < _LARGEST, found, 0.0)
+    return guess
 
 
 class CompactWriter:
@@ -196,3 +286,54 @@ def _times(dt: float, rows: slice) -> Floats:
     """(n,) times of rows of set-points that begin at zero [s]."""
     times: Floats = dt * np.arange(rows.start, rows.stop, dtype=np.float64)
     return times
+
+
+def form_named(name: str, value: str | bool) -> str:
+    """One of `FORMS`, by its word or an old one. Raises UsageError, beginning with `name`, for another."""
+    form = OLD_WORDS.get(value, value)
+    if form not in FORMS:
+        raise UsageError(f"{name} {str(value)[:40]}: give {', '.join(FORMS[:-1])} or {FORMS[-1]}")
+    return str(form)
+
+
+def form_of(wanted: str, count: int, joints: int) -> str:
+    """ "full", "compact" or "no": what is written of so many set-points where one of `FORMS` is wanted."""
+    if wanted != "auto":
+        return wanted
+    return "full" if full_size(count, joints) <= SMALL else "compact"
+
+
+def full_size(count: float, joints: int) -> float:
+    """Bytes that so many set-points with a tool take in full."""
+    return 8.0 * count * (1 + 4 * joints + 6 + 1)
+
+
+def size_of(form: str, count: float, joints: int) -> float:
+    """Bytes that so many set-points take, roughly where they are compact."""
+    return {"full": 1.0, "compact": ROUGHLY / 8.0, "no": 0.0}[form] * full_size(count, joints)
+
+
+def file_of(form: str) -> str:
+    """Name of the file of "full" or "compact"; empty of "no"."""
+    return {"full": FULL_FILE, "compact": COMPACT_FILE, "no": ""}[form]
+
+
+def set_points_file(folder: Path) -> str:
+    """Name of the file with set-points in the folder of a plan; empty where there is none. UsageError where both are
+    there: which of them would be meant?"""
+    there: Sequence[str] = [name for name in (FULL_FILE, COMPACT_FILE) if os.path.lexists(folder / name)]
+    if len(there) > 1:
+        raise UsageError(f"{folder}: holds {FULL_FILE} and {COMPACT_FILE}; plan again, into a new folder")
+    return there[0] if there else ""
+
+
+def read_set_points(folder: str | os.PathLike[str], machine: Machine | None = None) -> SetPoints:
+    """The set-points in the folder of a plan, whichever of both files holds them.
+
+    `machine` is that of the folder's machine.toml, which is read where none is given. Raises UsageError where a file is
+    missing, damaged, or another thing.
+    """
+    place = Path(folder)
+    if set_points_file(place) != COMPACT_FILE:
+        return SetPoints.load(place / FULL_FILE)
+    return read_compact(place / COMPACT_FILE, machine or Machine.load(place / MACHINE))

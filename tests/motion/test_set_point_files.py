@@ -10,8 +10,8 @@ import pytest
 
 from tests.support import motions
 from toolpace.common.errors import UsageError
-from toolpace.motion.files.compact_set_points import MAGIC, ROWS, Head, read_compact, write_compact
 from toolpace.motion.sampling import COARSEST, SHARE, grids, round_to
+from toolpace.motion.set_point_files import MAGIC, ROWS, Head, read_compact, write_compact
 from toolpace.motion.setpoints import SetPoints
 
 MACHINE = motions.machine()
