@@ -12,8 +12,8 @@ from benchmarks.tables import Table
 from toolpace.common.arrays import Floats, Ints
 from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
-from toolpace.kernels.follow.aim import chain_of
 from toolpace.kernels.follow.correction import correct
+from toolpace.kernels.follow.correction_target import chain_of
 from toolpace.kernels.follow.pace import place_on_path
 from toolpace.kernels.follow.step import step
 from toolpace.kernels.kinematics.chain import forward

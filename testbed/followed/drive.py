@@ -9,7 +9,7 @@ from testbed.followed.disturbed import AXIS, BEND_WITH_COMMAND, DEFLECTION, FORC
 from toolpace.common.arrays import Floats, Ints
 from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
-from toolpace.kernels.follow.aim import chain_of
+from toolpace.kernels.follow.correction_target import chain_of
 from toolpace.kernels.follow.pace import place_on_path
 from toolpace.kernels.follow.step import step
 from toolpace.kernels.kinematics.chain import forward

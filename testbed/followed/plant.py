@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.deflection.following import Follower
 from toolpace.kernels.follow import layout as at
-from toolpace.kernels.follow.aim import chain_of
+from toolpace.kernels.follow.correction_target import chain_of
 from toolpace.kernels.follow.pace import place_on_path
 from toolpace.kernels.follow.step import step
 from toolpace.kernels.kinematics.chain import forward

@@ -14,8 +14,8 @@ import pytest
 import toolpace as tp
 from toolpace.cli import demo_programs, main
 from toolpace.cli.app import app
+from toolpace.machine.file_writer import pose_table
 from toolpace.machine.machine import Machine
-from toolpace.machine.text import pose_table
 from toolpace.planning.limit_tolerances import PROMISED
 
 CONTRACT = {

@@ -24,7 +24,7 @@ from toolpace.deflection.rejoin.joint_splines import (
 )
 from toolpace.deflection.rejoin.search import joints_used, meeting
 from toolpace.deflection.rejoin_motion import CommandedMotion, Detour
-from toolpace.kernels.planners.joint_splines import most_used
+from toolpace.kernels.planners.joint_spline_barrier import most_used
 from toolpace.machine.limits import KINDS, Limits
 
 

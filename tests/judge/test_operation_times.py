@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.tool_paths import toolpath_through
-from toolpace.judge.passing import OperationFigures, Passages
+from toolpace.judge.passage_times import OperationFigures, Passages
 
 WAYS = (1.0, 2.0, 4.0)
 """How long the three ways take [s]: at feed, at rapid, at feed."""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
+from toolpace.machine.file_writer import pose_table, poses
 from toolpace.machine.machine import FOLDER, Machine
-from toolpace.machine.text import pose_table, poses
 
 
 def table(machine: Machine) -> np.ndarray:

@@ -13,8 +13,8 @@ import pytest
 
 from tests.support.machines import CLASSES, oracle, random_machine
 from toolpace.common.files.toml import toml_value
+from toolpace.machine.file_writer import units_of
 from toolpace.machine.machine import Machine
-from toolpace.machine.text import units_of
 
 LONGEST_FIGURE = 6
 """Most characters of a figure in a built-in machine that a person would write."""

@@ -11,7 +11,7 @@ import toolpace as tp
 from tests.support.tool_paths import toolpath_through
 from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.motion.laws import LinearLaw
-from toolpace.path.fit import fit
+from toolpace.path.fit import tolerance_tube
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives
 from toolpace.path.fit.spline import knots_of
@@ -34,10 +34,10 @@ def test_a_long_straight_way_is_fitted_again_without_a_million_samples(points, s
     first = tp.Path.fit(way, TIP, AXIS, machine)
     motion = tp.plan(first, machine, guard=False, bound=False)
     speed_weights = [law.speed_weights(0.03, 0.1, 6.0) for law in motion.laws]
-    samples, look = [], fit.deviations
-    monkeypatch.setattr(fit, "deviations", lambda *given: samples.append(len(given[2].s)) or look(*given))
+    samples, look = [], tolerance_tube.deviations
+    monkeypatch.setattr(tolerance_tube, "deviations", lambda *given: samples.append(len(given[2].s)) or look(*given))
     again = tp.Path.fit(way, TIP, AXIS, machine, speed_weights=speed_weights)
-    assert max(samples) <= fit.MORE_SAMPLES * samples[0] and len(samples) <= 8
+    assert max(samples) <= tolerance_tube.MORE_SAMPLES * samples[0] and len(samples) <= 8
     assert again.tip_deviation <= TIP and again.axis_deviation <= AXIS
     if swing == 0.0:
         assert all(np.array_equal(a.coefficients, b.coefficients) for a, b in zip(first.runs, again.runs))

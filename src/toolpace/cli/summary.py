@@ -261,7 +261,7 @@ def show_machine(console: Console, machine: Machine) -> None:
 
 def show_poses(console: Console, machine: Machine) -> None:
     """The chain, and poses to compare with the real machine; lines are not broken, so that columns stay aligned."""
-    from toolpace.machine.text import pose_table
+    from toolpace.machine.file_writer import pose_table
 
     _head(console, machine)
     console.print(Text(f"Tip and tool axis in the frame of the part:\n{pose_table(machine.geometry)}"), soft_wrap=True)
@@ -269,7 +269,7 @@ def show_poses(console: Console, machine: Machine) -> None:
 
 def _head(console: Console, machine: Machine) -> None:
     """Name, note and chain."""
-    from toolpace.machine.text import title
+    from toolpace.machine.file_writer import title
 
     name, _, rest = title(machine.file, machine.kind).partition(": ")
     name, rest, note = printable(name), printable(rest), printable(machine.file.note)

@@ -19,7 +19,7 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE, parse_angle, parse_length
 from toolpace.judge.feed_check import FeedUse
-from toolpace.judge.passing import OperationFigures, Passages
+from toolpace.judge.passage_times import OperationFigures, Passages
 from toolpace.judge.tool import way_lengths
 from toolpace.judge.usage import UsageFigures, wrong
 from toolpace.judge.verification import Check, Verification

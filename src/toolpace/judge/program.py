@@ -11,7 +11,7 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.alignment import Alignment, BothWays, Lost, align
 from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, block_check, feed_use
-from toolpace.judge.passing import Passages, Passing
+from toolpace.judge.passage_times import Passages, Passing
 from toolpace.judge.rows import MotionRow, Stretch, joined, motion_row, program_line
 from toolpace.judge.seen_motion import SeenMotion
 from toolpace.judge.tool import forward_kinematics

@@ -1,4 +1,4 @@
-"""Checked figures in SI units from a machine file (TOML); machine/text.py writes it.
+"""Checked figures in SI units from a machine file (TOML); machine/file_writer.py writes it.
 
 Every figure is checked where it is read, so that an error can name file, joint and key.
 """

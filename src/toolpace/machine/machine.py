@@ -17,12 +17,12 @@ from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.file import FILE, MachineFile, read_machine
+from toolpace.machine.file_writer import machine_text, rows, title
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_between, turn_between
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.plausibility import ask_about, check_chain, is_usual
-from toolpace.machine.text import machine_text, rows, title
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
 

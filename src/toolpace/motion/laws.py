@@ -122,27 +122,28 @@ def probes_a_cell(nodes: int) -> int:
 class SplineLaw(TimeLaw):
     """(ds/dt)^2 a twice differentiable cubic spline of s; next to rest, ds/dt has a constant third derivative.
 
-    Between nodes, time is the integral of ds / sqrt(z), exact to rounding (kernels/motion/spline_law.py), and s at a
-    time its inverse: positions are the integral of the velocities on any mesh.
+    Between nodes time is the integral of ds / sqrt(z), to rounding (kernels/motion/squared_speed_spline.py); s is its
+    inverse. So positions are the integral of the velocities on any mesh.
     """
 
     def __init__(self, nodes: Floats, c: Floats, rest: tuple[float, float]) -> None:
         """Take the spline's knots (n,), its coefficients (n + 2,) and the lengths of the rest cells (0: in motion)."""
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import squared_speed_spline
 
         self.nodes, self.c, self.rest = nodes, c, rest
         self.inside = (1.0 - np.cos(np.linspace(0.0, np.pi, probes_a_cell(len(nodes))))) / 2.0
         """(k,) shares of a cell at which it is probed: closer together next to the nodes, where peaks hide."""
-        self.cells = spline_law.polynomials(nodes, c)
+        self.cells = squared_speed_spline.polynomials(nodes, c)
         """(n - 1, 4) z in each cell as a polynomial of s - nodes[k]."""
         begin = 3.0 * rest[0] / math.sqrt(self.cells[0, 0]) if rest[0] > 0.0 else 0.0
-        panels = spline_law.panels_of(nodes, self.cells, begin)
-        self.times = spline_law.node_times(panels, nodes)
+        panels = squared_speed_spline.panels_of(nodes, self.cells, begin)
+        self.times = squared_speed_spline.node_times(panels, nodes)
         """(n,) when the nodes are passed [s]."""
         self.s0, self.s1 = nodes[0] - rest[0], nodes[-1] + rest[1]
-        end = spline_law.end_speed(nodes, self.cells)
+        end = squared_speed_spline.end_speed(nodes, self.cells)
         self.duration = float(self.times[-1] + (3.0 * rest[1] / end if rest[1] > 0.0 else 0.0))
-        self._law = spline_law.Law(nodes, self.cells, self.times, panels, float(rest[0]), float(rest[1]), self.duration)
+        ends = float(rest[0]), float(rest[1])
+        self._law = squared_speed_spline.Law(nodes, self.cells, self.times, panels, *ends, self.duration)
 
     def slowed(self, by: float) -> SplineLaw:
         """The same motion with z divided by a factor everywhere; only between two rests."""
@@ -154,9 +155,9 @@ class SplineLaw(TimeLaw):
 
     def dips(self) -> Bools:
         """(n - 1,) cells in which z falls far below its values at both nodes: too long for the motion in them."""
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import squared_speed_spline
 
-        return spline_law.dips(self.nodes, self.cells, self.inside)
+        return squared_speed_spline.dips(self.nodes, self.cells, self.inside)
 
     def lost_in_dips(self) -> float:
         dips = self.dips()
@@ -165,22 +166,22 @@ class SplineLaw(TimeLaw):
         return float((np.diff(self.times)[dips] - level[dips]).sum())
 
     def at(self, t: Floats) -> Floats:
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import squared_speed_spline
 
-        return spline_law.states(np.ascontiguousarray(t, dtype=float), self._law)
+        return squared_speed_spline.states(np.ascontiguousarray(t, dtype=float), self._law)
 
     def states_at(self, s: Floats) -> Floats:
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import squared_speed_spline
 
-        return spline_law.states_at(np.ascontiguousarray(s), self._law)
+        return squared_speed_spline.states_at(np.ascontiguousarray(s), self._law)
 
     def probes(self) -> Iterator[Probe]:
-        from toolpace.kernels.motion import spline_law
+        from toolpace.kernels.motion import squared_speed_spline
 
         last = len(self.nodes) - 1
         for first in range(0, last, CELLS_AT_A_TIME):
-            state, right, share = spline_law.probe(self._law, self.inside, first, min(first + CELLS_AT_A_TIME, last))
-            yield Probe(state, right, share)
+            beyond = min(first + CELLS_AT_A_TIME, last)
+            yield Probe(*squared_speed_spline.probe(self._law, self.inside, first, beyond))
 
 
 class QuinticLaw(TimeLaw):

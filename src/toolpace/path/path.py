@@ -74,7 +74,7 @@ class Path:
         where it is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
-        from toolpace.path.fit.fit import fit_runs
+        from toolpace.path.fit.tolerance_tube import fit_runs
         from toolpace.programs.toolpath import check_toolpath
 
         if hastes is not None:

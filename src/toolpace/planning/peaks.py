@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.workers import Workers
-from toolpace.kernels.motion import spline_peaks, usage
+from toolpace.kernels.motion import usage, utilisation_peaks
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.laws import LinearLaw, SplineLaw
@@ -196,7 +196,7 @@ class LimitCheck:
         """The peaks in cells whose path is known."""
         limits = self.limits
         return Peaks(
-            *spline_peaks.spline_peaks(
+            *utilisation_peaks.spline_peaks(
                 which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
             )
         )

@@ -12,7 +12,7 @@ import pytest
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export.fifo import Fifo
 from toolpace.controls.export.linuxcnc.inverse_time import SWING, InverseTime
-from toolpace.controls.export.linuxcnc.streamer import Streamer
+from toolpace.controls.export.linuxcnc.streamer_files import Streamer
 from toolpace.machine.machine import Machine
 
 SHOP = np.array([1e3, 1e3, 1e3, np.degrees(1.0), np.degrees(1.0)])

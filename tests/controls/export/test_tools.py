@@ -17,7 +17,7 @@ from toolpace.controls.export import PlannedMotion
 from toolpace.controls.export.column_units import refuse_coarse, scale_of
 from toolpace.controls.export.fifo import Fifo
 from toolpace.controls.export.linuxcnc.inverse_time import InverseTime
-from toolpace.controls.export.linuxcnc.streamer import Streamer
+from toolpace.controls.export.linuxcnc.streamer_files import Streamer
 from toolpace.controls.export.program import Program
 from toolpace.controls.export.rows import tool_changes
 from toolpace.controls.export.table import Table

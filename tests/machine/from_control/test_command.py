@@ -8,8 +8,8 @@ import pytest
 
 from tests.support.linuxcnc_files import ini_text, written
 from toolpace.cli import main
+from toolpace.machine.file_writer import pose_table
 from toolpace.machine.machine import Machine
-from toolpace.machine.text import pose_table
 from toolpace.programs.reading.setup_file import setup_in
 
 TABLE = ini_text("xyzac-trt-kins", "XYZAC")

@@ -13,8 +13,8 @@ from tests.support.tool_paths import random_toolpath, spiral, tilted, toolpath_t
 from toolpace.common import workers
 from toolpace.common.errors import PathError
 from toolpace.machine.machine import Machine
-from toolpace.path.fit import fit as fitting
 from toolpace.path.fit import spline as sampling
+from toolpace.path.fit import tolerance_tube as fitting
 from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
 from toolpace.path.fit.smoothest_spline import first_breaks
 from toolpace.path.path import Path

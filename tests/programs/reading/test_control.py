@@ -14,8 +14,8 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.machine_moves import reference, straight_in_machine, turn_to_plane
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.placement import INSIDE
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+from toolpace.programs.reading.coordinates.work_coordinates import INSIDE
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.source import Source

@@ -17,7 +17,7 @@ from toolpace.common.arrays import Floats
 from toolpace.deflection.feed import fastest_braking, feed_at, tip_rates
 from toolpace.deflection.rejoin_motion import CommandedMotion, Detour, with_constant_jerk
 from toolpace.kernels.planners.interior_point import least
-from toolpace.kernels.planners.joint_splines import Rows, most_used
+from toolpace.kernels.planners.joint_spline_barrier import Rows, most_used
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine
 
@@ -98,7 +98,7 @@ class Spline:
     lead: float
     """[s]"""
     y: Floats
-    """(N + 3, m) coefficients; see kernels/planners/joint_splines.py."""
+    """(N + 3, m) coefficients; see kernels/planners/joint_spline_barrier.py."""
     late: float
     """Beyond `lead` [s]."""
     used: float

@@ -18,8 +18,8 @@ import numba
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
-from toolpace.kernels.follow.aim import take
 from toolpace.kernels.follow.correction import correct, feed_of_correction
+from toolpace.kernels.follow.correction_target import take
 from toolpace.kernels.follow.layout import (
     AIM,
     AT,

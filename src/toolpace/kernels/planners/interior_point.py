@@ -20,7 +20,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.jit import jit
-from toolpace.kernels.planners.joint_splines import Rows, Work, add_joints, add_tip, barrier, place_of
+from toolpace.kernels.planners.joint_spline_barrier import Rows, Work, add_joints, add_tip, barrier, place_of
 
 RISE = 40.0
 """By how much the weight grows from round to round."""

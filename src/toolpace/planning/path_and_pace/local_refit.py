@@ -21,9 +21,9 @@ from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.machine import Machine
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Trajectory
-from toolpace.path.fit.fit import LIMIT, largest_of_cells
 from toolpace.path.fit.polyline import PlaceTolerances, Polyline, polylines
 from toolpace.path.fit.spline import Comparison, spline_values
+from toolpace.path.fit.tolerance_tube import LIMIT, largest_of_cells
 from toolpace.path.follow_run import FollowRun
 from toolpace.path.path import Path
 from toolpace.path.run import SplineRun

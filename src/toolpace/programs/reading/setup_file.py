@@ -16,7 +16,6 @@ from toolpace.common.errors import ReachError, UsageError, printable
 from toolpace.common.files.toml import TableFile, Tables, toml_key, toml_text
 from toolpace.common.units import DEGREE, INCH, MILLIMETRE
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
-from toolpace.programs.reading.coordinates.placement import Datum
 from toolpace.programs.reading.coordinates.setup import (
     LONGEST_CHANGE,
     STAND_IN,
@@ -26,6 +25,7 @@ from toolpace.programs.reading.coordinates.setup import (
     Tool,
     tool_name,
 )
+from toolpace.programs.reading.coordinates.work_coordinates import Datum
 from toolpace.programs.reading.findings import Used
 from toolpace.programs.reading.points import FARTHEST
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, lowest, travel
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
+from toolpace.machine.from_control.sinumerik.channel_axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData
 
 NAMES = {"velocity": "MA_MAX_AX_VELO", "acceleration": "MA_MAX_AX_ACCEL", "jerk": "MA_MAX_AX_JERK"}

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.machine.from_control.record import Figure, Origin
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
+from toolpace.machine.from_control.sinumerik.channel_axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import Datum, MachineData
 from toolpace.machine.from_control.sinumerik.vector_chain import KINDS, ON_TABLE, SwivelAxis, VectorChain, is_direction
 from toolpace.machine.from_control.stand_ins import Answers, Question

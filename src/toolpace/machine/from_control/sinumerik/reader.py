@@ -10,7 +10,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError, machine_name
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis, channel_axes, is_spindle, straight_axes
+from toolpace.machine.from_control.sinumerik.channel_axes import ChannelAxis, channel_axes, is_spindle, straight_axes
 from toolpace.machine.from_control.sinumerik.dynamics import add_dynamics, joint_figures
 from toolpace.machine.from_control.sinumerik.five_axis import (
     BY_CARRIER,

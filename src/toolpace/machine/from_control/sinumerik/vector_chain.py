@@ -26,7 +26,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
-from toolpace.machine.from_control.sinumerik.axes import ChannelAxis
+from toolpace.machine.from_control.sinumerik.channel_axes import ChannelAxis
 from toolpace.machine.from_control.unplaced_axes import ALONG, hold_at_rest
 from toolpace.machine.geometry import parallel, turned
 

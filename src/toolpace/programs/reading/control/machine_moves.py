@@ -11,8 +11,8 @@ from toolpace.programs.reading.arcs import ROUNDING, SAG
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.moves import FEED, JUMP, RAPID, Rate
 from toolpace.programs.reading.coordinates import affine
-from toolpace.programs.reading.coordinates.placement import INSIDE
 from toolpace.programs.reading.coordinates.setup import STAND_IN, ZERO_UNSAID
+from toolpace.programs.reading.coordinates.work_coordinates import INSIDE
 
 MOST_CHORDS = 10_000
 """Of a turn about a point of the tool: more is a slip of its distance."""

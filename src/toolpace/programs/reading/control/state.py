@@ -13,8 +13,8 @@ from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Orientation, Poses
-from toolpace.programs.reading.coordinates.placement import Coordinates, Datum, Placement
 from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNSAID, Position
+from toolpace.programs.reading.coordinates.work_coordinates import Coordinates, Datum, Placement
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.points import NO_SHEET, NOT_LISTED

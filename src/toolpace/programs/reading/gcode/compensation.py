@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toolpace.programs.reading.compensation.following import Departing, Follower, follow, leave
 from toolpace.programs.reading.compensation.linuxcnc import LeavingLinuxcnc, LinuxcncStage, Uncompensated
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, AROUND, INSIDE, LINES, OffsetStage, Rules
+from toolpace.programs.reading.compensation.tool_centre_path import Departing, Follower, follow, leave
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.expressions import BlockError

@@ -13,6 +13,7 @@ from toolpace.programs.reading.gcode.frames.frames import Frames
 from toolpace.programs.reading.gcode.frames.planes import MEANINGS, Planes
 from toolpace.programs.reading.gcode.functions import Functions, IdleWords, Modes, SavedModes
 from toolpace.programs.reading.gcode.holes import KINDS, Holes
+from toolpace.programs.reading.gcode.least_input_increment import count_increments, round_values
 from toolpace.programs.reading.gcode.machine_moves import MachineMoves
 from toolpace.programs.reading.gcode.modal import ARCS, Modal
 from toolpace.programs.reading.gcode.motion import MotionReader
@@ -34,7 +35,6 @@ from toolpace.programs.reading.gcode.program.words import (
 from toolpace.programs.reading.gcode.splines import SPLINES, Splines
 from toolpace.programs.reading.gcode.surface_holes import SurfaceHoles
 from toolpace.programs.reading.gcode.tools import Tools
-from toolpace.programs.reading.gcode.whole_numbers import count_increments, round_values
 from toolpace.programs.reading.options import ReadOptions
 
 AS_WRITTEN = (

@@ -9,7 +9,7 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate

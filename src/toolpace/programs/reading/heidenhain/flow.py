@@ -11,7 +11,7 @@ from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.flow import CALL, MAIN, CallStack, Frame
-from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Step
 from toolpace.programs.reading.heidenhain.parameters import Parameters, UnsetError, evaluate, formula, named
 from toolpace.programs.reading.heidenhain.program import Program, beside, label_of
 from toolpace.programs.reading.heidenhain.state import State

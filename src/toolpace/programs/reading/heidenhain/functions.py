@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Step
 from toolpace.programs.reading.heidenhain.cycles import Cycles
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions

@@ -13,7 +13,7 @@ from toolpace.programs.reading.control.machine_moves import direction_on_part, r
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import TURN
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow
 from toolpace.programs.reading.heidenhain.frames import Frames

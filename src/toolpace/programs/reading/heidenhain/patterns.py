@@ -10,7 +10,7 @@ from toolpace.common.units import DEGREE
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.cycles import MOST_HOLES, laid_out, on_circle, on_grid
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Motion, Step
 from toolpace.programs.reading.heidenhain.drilling import Holes, Items
 from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS

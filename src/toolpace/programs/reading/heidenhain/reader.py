@@ -19,7 +19,7 @@ from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.heidenhain.contour.approach import Approaches, Form
 from toolpace.programs.reading.heidenhain.contour.circles import Circles, Polar
 from toolpace.programs.reading.heidenhain.contour.lines import SingleAxis, SurfaceLines, corner
-from toolpace.programs.reading.heidenhain.contour.motion import Motion, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Motion, Step
 from toolpace.programs.reading.heidenhain.cycles import Cycles
 from toolpace.programs.reading.heidenhain.drilling import Holes
 from toolpace.programs.reading.heidenhain.flow import Flow, Jumps

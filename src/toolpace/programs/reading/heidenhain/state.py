@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.arcs import Arc
-from toolpace.programs.reading.coordinates.placement import Placement
+from toolpace.programs.reading.coordinates.work_coordinates import Placement
 
 PLANES = ("YZ", "ZX", "XY")
 """Planes by the tool axis X, Y, Z: the angle is 0 along their first axis."""

@@ -18,7 +18,7 @@ from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
 from toolpace.programs.reading.coordinates.kinematics import near
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Step
 from toolpace.programs.reading.heidenhain.frames import Frames, euler, spatial
 from toolpace.programs.reading.heidenhain.machine import MachineFunctions
 from toolpace.programs.reading.heidenhain.parameters import Parameters, Value, evaluate

@@ -8,7 +8,7 @@ from toolpace.common.units import MINUTE
 from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Step
 from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.parameters import Parameters, evaluate
 from toolpace.programs.reading.heidenhain.state import State

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.common.units import DEGREE, INCH, MINUTE
-from toolpace.programs.reading.compensation.following import Departing, Follower, Suppressed, follow, leave
 from toolpace.programs.reading.compensation.stage import (
     ACROSS,
     ARC,
@@ -17,6 +16,7 @@ from toolpace.programs.reading.compensation.stage import (
     OffsetStage,
     Rules,
 )
+from toolpace.programs.reading.compensation.tool_centre_path import Departing, Follower, Suppressed, follow, leave
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions

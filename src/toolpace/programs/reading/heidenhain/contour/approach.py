@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 from toolpace.common.units import DEGREE
 from toolpace.programs.reading.arcs import PLANE_ACROSS, ROUNDING, plane_arc
-from toolpace.programs.reading.compensation.following import leave_here
+from toolpace.programs.reading.compensation.tool_centre_path import leave_here
 from toolpace.programs.reading.control.feed import PER_MINUTE
 from toolpace.programs.reading.control.moves import RAPID
 from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.heidenhain.contour.circles import POLAR, Circles, Polar
-from toolpace.programs.reading.heidenhain.contour.motion import Axis, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Axis, Step
 from toolpace.programs.reading.heidenhain.parameters import Value, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS
 from toolpace.programs.reading.heidenhain.words import PathWords

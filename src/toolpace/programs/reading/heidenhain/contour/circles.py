@@ -19,7 +19,7 @@ from toolpace.programs.reading.arcs import (
 )
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import Axis, Motion, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import Axis, Motion, Step
 from toolpace.programs.reading.heidenhain.parameters import LARGEST, evaluate
 from toolpace.programs.reading.heidenhain.state import OF_AXIS, State
 from toolpace.programs.reading.heidenhain.words import PathWords

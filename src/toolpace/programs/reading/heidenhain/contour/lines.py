@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from toolpace.programs.reading.compensation.following import is_scaled
+from toolpace.programs.reading.compensation.tool_centre_path import is_scaled
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import ROUND, SIDES
 from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for
 from toolpace.programs.reading.expressions import BlockError
-from toolpace.programs.reading.heidenhain.contour.motion import LENGTHENED, Motion, Step
+from toolpace.programs.reading.heidenhain.contour.straight_lines import LENGTHENED, Motion, Step
 from toolpace.programs.reading.heidenhain.parameters import Value, evaluate
 from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.words import PathWords

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolpace.kernels.arrays import Bools, Floats, Ints
 from toolpace.kernels.jit import jit
-from toolpace.kernels.motion.spline_law import floor_of
+from toolpace.kernels.motion.squared_speed_spline import floor_of
 from toolpace.kernels.motion.usage import HIGH, summit
 
 SPEED, ACCELERATION, JERK = 0, 1, 2

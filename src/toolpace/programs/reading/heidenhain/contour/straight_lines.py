@@ -9,8 +9,8 @@ from typing import Protocol
 
 from toolpace.common.units import DEGREE, MINUTE
 from toolpace.programs.reading.arcs import PLANE_ACROSS
-from toolpace.programs.reading.compensation.following import Follower, follow, leave
 from toolpace.programs.reading.compensation.stage import ACROSS, ARC, Rules
+from toolpace.programs.reading.compensation.tool_centre_path import Follower, follow, leave
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import ROUND, Corners
 from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
