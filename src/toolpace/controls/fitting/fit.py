@@ -29,7 +29,6 @@ from toolpace.controls.fitting.measured import (
     sustained_accelerations,
     written_time,
 )
-from toolpace.controls.timing.blocks import rests
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.controls.timing.program_time import PartTime, parts_of
 from toolpace.controls.timing.uncertainty import limits_by_axis
@@ -49,13 +48,16 @@ LOGGED: dict[str, tuple[str, ...]] = {
 KEPT = 2e-4
 """Deviation of the logarithm of an acceleration that a log shows to be kept for a while, beside its noise."""
 SHOWN = 0.02
-"""Share of an acceleration that a log shows by which the control's own may be lower: noise."""
+"""Share of an acceleration that a log shows by which the control's own may be lower, beside two of its deviations."""
 LEAST = 1e-3
 """Acceleration that is motion of an axis [mm/s^2, deg/s^2]."""
-QUIET, VAGUE = 2e-8, 1e6
-"""Noise of positions that hides no beginning [m, rad], and the deviation of a time that counts for nothing [s]."""
-WITHIN_ROW = 0.3
-"""Deviation of a time within a row: 1 / sqrt(12)."""
+QUIET = 2e-8
+"""Noise of positions that hides neither beginning nor end of the motion [m, rad]."""
+WHOLE_ROWS = 1.5
+"""Deviation of the whole of a log in rows: one at either end, and a cycle by which model and control may differ."""
+INTERPOLATED = {"linuxcnc": 2e-3}
+"""Time by which joints move longer than the model's path [s]: LinuxCNC interpolates them over some cycles. Two of 1 ms
+are what it took longer for eleven of the programs in benchmarks/results/linuxcnc_times.md, of 4 to 170 seconds."""
 LOG_JITTER = 0.05
 """Deviation of a time that a log tells, over the time between rows, at least."""
 
@@ -63,40 +65,39 @@ LOG_JITTER = 0.05
 def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: ControlFigures) -> Fit:
     """The figures that come closest to a log of the program. Raises UsageError."""
     _refuse_still(moves)
-    found, noise = sustained_accelerations(log)
+    found, noise, limits = sustained_accelerations(log)
     units = np.where(machine.is_rotary, DEGREE, MILLIMETRE)
     table = dict(figures.acceleration) if isinstance(figures.acceleration, dict) else {}
     moving = {name: float(a) for name, a in zip(machine.joints, found / units) if a >= LEAST}
     before = limits_by_axis(figures, machine, "acceleration")
     # ramps that end before a limit is reached tell only how high it is at least
-    reached = {name: KEPT + float(each) for name, each in zip(machine.joints, noise) if np.isfinite(each)}
+    uncertain = {name: KEPT + float(each) for name, each in zip(machine.joints, noise)}
+    reached = {name for name, limit in zip(machine.joints, limits) if limit}
     table |= {name: a if name in reached else max(a, before[name]) for name, a in moving.items()}
     start = msgspec.structs.replace(figures, acceleration=table, tolerance=figures.room / MILLIMETRE)
     far, when = progress(moves, machine, log)
     ended = np.append(when, log.duration)
+    # noise hides where motion begins and ends
+    exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
+    whole = log.duration - INTERPOLATED.get(start.model, 0.0)
 
     def of_moves(times: Floats) -> Floats:
         end = np.cumsum(times + moves.dwell) - moves.dwell
-        return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), end[-1])
+        return np.append(np.diff(np.append(end[far], end[-1]), prepend=0.0), [end[-1]] * exact)
 
-    # the whole is known to a part of a row, and each rest may cost one, where the model does not count these itself;
-    # noise hides where motion begins and ends
-    resting = 0.0 if start.model == "linuxcnc" else float(rests(moves)[1:-1].sum())
-    noisiest = max(noise_of(column) for column in log.q.T)
-    whole = (WITHIN_ROW + resting) * log.dt if noisiest < QUIET else VAGUE
     measured = Measured(
-        np.append(np.diff(ended, prepend=0.0), log.duration),
-        np.append(np.full(len(ended), LOG_JITTER * log.dt), whole),
+        np.append(np.diff(ended, prepend=0.0), [whole] * exact),
+        np.append(np.full(len(ended), LOG_JITTER * log.dt), [WHOLE_ROWS * log.dt] * exact),
         of_moves,
         log.duration,
-        exact=1,
+        exact,
     )
     parameters = []
     for each in parameters_of(start, machine, LOGGED[start.model]):
         axis = each.figure.axis
         if each.figure.name == "acceleration" and axis in moving:
-            shown = math.log((1.0 - SHOWN) * moving[axis] / table[axis])
-            kept = replace(each, deviation=reached[axis], measured=True) if axis in reached else each
+            shown = math.log(moving[axis] / table[axis]) - SHOWN - 2.0 * uncertain[axis]
+            kept = replace(each, deviation=uncertain[axis], measured=True) if axis in reached else each
             parameters.append(replace(kept, least=min(shown, 0.0)))
         elif not axis or axis in moving:
             parameters.append(each)

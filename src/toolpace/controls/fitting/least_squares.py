@@ -38,8 +38,6 @@ TRIED = np.geomspace(0.02, 50.0, 12)
 """Factors of the first of them that are tried first: there may be more than one that fits nearly."""
 FARTHEST = 4.0
 """Deviations by which a figure may differ from what it was."""
-NEARBY = np.linspace(-0.1, 0.1, 21)
-"""Steps of the logarithm of that figure that are tried at the end."""
 NORMAL = 1.96
 """Deviations to either side that hold 95 of 100."""
 STEP = 0.02
@@ -141,7 +139,6 @@ class Fitting:
     ) -> None:  # fmt: skip
         """before: accelerations of axes before a log was looked at."""
         self.before = before or {}
-        self.first = ""
         self.moves, self.machine, self.start, self.measured = moves, machine, start, measured
         self.parameters = parameters
         self.deviations = np.array([each.deviation for each in parameters])
@@ -173,7 +170,6 @@ class Fitting:
 
     def result(self, first: str = "") -> Fit:
         """The fit to all times; of the figure `first` several are tried to begin with, else each that matters."""
-        self.first = first
         found = [self._solution(start) for start in ([self._begin(first)] if first else self._starts())]
         best = min(found, key=lambda each: each.cost)
         # of two figures one may limit, or the other: what fits as well counts as possible
@@ -290,12 +286,7 @@ class Fitting:
             residuals, np.clip(x, self.lowest, self.highest), jac=slopes, bounds=(self.lowest, self.highest),
             xtol=1e-4, ftol=1e-6, max_nfev=ITERATIONS,
         )  # fmt: skip
-        # times of some models jump with a tolerance: slopes alone come to rest beside the least
-        nearby = [np.asarray(found.x)]
-        for k, each in enumerate(self.parameters):
-            if each.figure.name == self.first:
-                nearby += [found.x + step / self.deviations[k] * np.eye(len(x))[k] for step in NEARBY]
-        return min(nearby, key=lambda x: float(residuals(x) @ residuals(x)))
+        return np.asarray(found.x)
 
     def _fit(self, x: Floats, ends_of: dict[int, tuple[float, float]]) -> Fit:
         """With the figures of which the measurement tells, and the ends between which they lie, in deviations."""

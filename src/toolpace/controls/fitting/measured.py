@@ -63,7 +63,10 @@ SPANS = (1, 2, 3, 5, 8, 13, 21)
 """Rows between which accelerations are differences: more where the log is noisy."""
 KEPT_UP = 3
 """Rows over which an acceleration is kept up that counts."""
-NOISE = 0.02
+LARGEST = 1.5
+"""Standard deviations of noise that the largest of many accelerations, each the least of KEPT_UP rows, is too high by:
+with twice as many the fits of 100 logs held fewer of the real figures."""
+NOISE = 0.01
 """Most of an acceleration that may be noise."""
 TOP, RAMP, FLAT = 0.96, 0.3, 0.3
 """Above TOP of the largest acceleration a ramp is at its top, above RAMP it is a ramp; FLAT of it is flat where a limit
@@ -242,19 +245,20 @@ def without_noise(q: Floats, play: float) -> Floats:
     return followed
 
 
-def sustained_accelerations(log: MotionLog) -> tuple[Floats, Floats]:
-    """(joints,) largest acceleration that each joint keeps up [m/s^2, rad/s^2], and the share of it that may be noise.
+def sustained_accelerations(log: MotionLog) -> tuple[Floats, Floats, Bools]:
+    """Of each joint the largest acceleration that it keeps up [m/s^2, rad/s^2], the share of it that may be noise, and
+    whether it is a limit: it is kept for a good part of a ramp. Each (joints,).
 
-    nan where a joint does not move. The share is inf where ramps end before a limit is reached: it would be kept for a
-    good part of one.
+    nan where a joint does not move.
     """
     found = [_sustained(column, log.dt) for column in log.q.T]
-    return np.array([value for value, _ in found]), np.array([share for _, share in found])
+    values, shares, limits = zip(*found)
+    return np.array(values), np.array(shares), np.array(limits, dtype=bool)
 
 
-def _sustained(q: Floats, dt: float) -> tuple[float, float]:
+def _sustained(q: Floats, dt: float) -> tuple[float, float, bool]:
     if not np.isfinite(q).all() or np.ptp(q) == 0.0:
-        return math.nan, math.inf
+        return math.nan, math.inf, False
     found, share, limit = math.nan, math.inf, False
     for span in SPANS:
         second = np.abs(q[2 * span :] - 2.0 * q[span:-span] + q[: -2 * span]) / (span * dt) ** 2
@@ -262,17 +266,26 @@ def _sustained(q: Floats, dt: float) -> tuple[float, float]:
             break
         kept = np.min([second[k : len(second) - KEPT_UP + k] for k in range(KEPT_UP)], axis=0)
         found = float(kept.max())
-        limit = _longest(kept > TOP * found) >= FLAT * _longest(kept > RAMP * found)
-        share = noise_of(q) * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
+        limit = _is_flat(kept > RAMP * found, kept > TOP * found)
+        share = LARGEST * noise_of(q) * math.sqrt(6.0) / (span * dt) ** 2 / found if found > 0.0 else math.inf
         if share < NOISE:
             break
-    return found, share if limit else math.inf
+    return found, share, limit
 
 
-def _longest(rows: Bools) -> int:
-    """Length of the longest run of true rows."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+def _is_flat(ramps: Bools, top: Bools) -> bool:
+    """Whether the ramp (run of true rows) that is longest at its top is flat there.
+
+    Other ramps may be longer, and lower: those in which another axis is at its limit.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], ramps, [False]])))
+    begin, end = edges[::2], edges[1::2]
+    if not len(begin):
+        return False
+    before = np.concatenate([[0], np.cumsum(top)])
+    at_top = before[end] - before[begin]
+    longest = int(np.argmax(at_top))
+    return bool(at_top[longest] >= FLAT * (end - begin)[longest])
 
 
 def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, Floats]:

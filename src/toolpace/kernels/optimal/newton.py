@@ -184,7 +184,8 @@ def aim_at_optimum(system: System, ends: Ends) -> None:
 @jit(inline=True)
 def aim_at_centre(system: System, ends: Ends, centre: float) -> None:
     """Set the corrector's direction: at products of slack and multiplier of `centre`, with the second-order terms."""
-    copy(system.rhs - centre * system.centring - system.second, system.direction)
+    for i in range(len(system.rhs)):
+        system.direction[i] = system.rhs[i] - centre * system.centring[i] - system.second[i]
     _solve_tied(system, ends)
 
 
