@@ -12,7 +12,7 @@ import pytest
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export import TARGETS, target_of
-from toolpace.controls.export.column_units import refuse_coarse, scale_of
+from toolpace.controls.export.rows import refuse_coarse, scale_of
 from toolpace.controls.export.table import Table
 
 ABSURD = (0.0, -1e-3, np.nan, np.inf, 1e-300, 9e-7, 1.5, 1e9, "4ms")

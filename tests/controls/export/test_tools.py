@@ -14,12 +14,11 @@ from testbed.true_tip.chain import Chain
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export import PlannedMotion
-from toolpace.controls.export.column_units import refuse_coarse, scale_of
 from toolpace.controls.export.fifo import Fifo
 from toolpace.controls.export.linuxcnc.inverse_time import InverseTime
 from toolpace.controls.export.linuxcnc.streamer_files import Streamer
 from toolpace.controls.export.program import Program
-from toolpace.controls.export.rows import tool_changes
+from toolpace.controls.export.rows import refuse_coarse, scale_of, tool_changes
 from toolpace.controls.export.table import Table
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints

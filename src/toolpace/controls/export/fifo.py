@@ -20,8 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
-from toolpace.controls.export.column_units import Scale, scale_of
-from toolpace.controls.export.rows import WHOLE, Rows, refuse_no_cycle, refuse_tool_changes, rows_every
+from toolpace.controls.export.rows import WHOLE, Rows, Scale, refuse_no_cycle, refuse_tool_changes, rows_every, scale_of
 from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance, start_in_words
 
 ROWS, HOW_TO = "rows.lreal", "how_to_use.txt"

@@ -13,8 +13,16 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, VerificationError, did_you_mean
 from toolpace.common.units import format_time
-from toolpace.controls.export.column_units import Scale, refuse_coarse, scale_of
-from toolpace.controls.export.rows import CHUNK, Rows, refuse_no_cycle, rows_every, tool_changes
+from toolpace.controls.export.rows import (
+    CHUNK,
+    Rows,
+    Scale,
+    refuse_coarse,
+    refuse_no_cycle,
+    rows_every,
+    scale_of,
+    tool_changes,
+)
 from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance, start_in_words
 
 COLUMNS = ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")
