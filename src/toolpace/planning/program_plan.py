@@ -179,7 +179,8 @@ def made_rounds(
     fits in and one within the widest, and a quick change of what these found."""
     widest = float(allowed.axis_along(rounds.toolpath).max())
     # where nothing turns, all of them give the same path
-    rungs = axis_tolerances(widest) if turns(rounds.toolpath) else [widest]
+    turning = turns(rounds.toolpath)
+    rungs = axis_tolerances(widest) if turning else [widest]
     narrow: Fastest | None = None
     within: list[float] = []
     for axis in rungs:
@@ -189,7 +190,10 @@ def made_rounds(
             continue
         narrow = rounds.best
         rounds.within(allowed.within(axis), axis)
-        rounds.begin(last=last)
+        if last and turning:
+            rounds.begin(last=last, hold_turn=True)
+        if not (last and turning and rounds.leave_no_room()):
+            rounds.begin(last=last, hold_turn=False)
         if rounds.leave_no_room():
             continue
         for measure in (BROAD,) if quick else measures:
