@@ -120,3 +120,9 @@ def test_what_is_no_file_is_told(tmp_path, machine):
         read_trajectory(tmp_path / "law", machine)
     with pytest.raises(UsageError, match="cannot read: is a directory"):
         read_trajectory(tmp_path, machine)
+
+
+def test_a_file_in_the_format_of_another_version_is_told(data, tmp_path, machine):
+    (tmp_path / "law").write_bytes(b"toolpace trajectory 1\n" + data[len(MAGIC) :])
+    with pytest.raises(UsageError, match=r"law: is in a format of another version of toolpace.*; plan again"):
+        read_trajectory(tmp_path / "law", machine)

@@ -21,7 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Ints
 from toolpace.common.files import whole_file
-from toolpace.common.files.atomic import read_binary
+from toolpace.common.files.atomic import read_binary, refuse_other_format
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
 from toolpace.motion.packed_numbers import DamagedError, bits_of, left_of_splines, pack, splines_of, unpack
 from toolpace.path.axis_path import AxisPath
@@ -121,8 +121,7 @@ def read_trajectory(path: str | os.PathLike[str], machine: Machine) -> tuple[Axi
 
 
 def _read(stream: BinaryIO, machine: Machine) -> tuple[AxisPath, tuple[TimeLaw, ...]]:
-    if stream.read(len(MAGIC)) != MAGIC:
-        raise DamagedError
+    refuse_other_format(stream, MAGIC)
     head = msgspec.json.decode(stream.readline(LONGEST_HEAD), type=Head)
     if head.columns not in (5, 6) or not head.runs:
         raise DamagedError
