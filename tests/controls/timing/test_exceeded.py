@@ -24,6 +24,11 @@ def test_linuxcnc_keeps_no_jerk_in_ramps():
     assert str(worst) == "jerk of X up to 50 times its limit in the ramps of 1 block, worst at line 3"
 
 
+def test_the_cycle_of_linuxcnc_is_that_of_its_figures():
+    found = exceeded("G1 X50 F6000\n", "linuxcnc", linuxcnc={"cycle": 0.002})
+    assert found["jerk", "X"].ratio == pytest.approx(A / 2e-3 / J)
+
+
 def test_brisk_of_a_sinumerik_keeps_none_and_soft_does():
     body, at = "G1 X50 F6000\n", {"brisk": 1.0, "cycle": 0.002}
     assert exceeded(body, "sinumerik") == {}

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SLACK = 1e-6
 """Share of a limit by which it may seem exceeded."""
 CYCLE = 1e-3
-"""SERVO_PERIOD of LinuxCNC [s], and about what others take, too."""
+"""Of a control whose figures have none [s]: about what others take."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _in_ramps(
     slower = mean < np.where(moves.length > 0.0, moves.speed, moves.turn) * (1.0 - SLACK)
     ramps = (slower & (ways.length > 0.0))[:, None] * ways.most
     acceleration = np.minimum(profile.acceleration, MOST_ACCELERATION)[:, None] * ramps
-    cycle = figures.sinumerik.cycle if figures.model == "sinumerik" else CYCLE
+    cycle = {"sinumerik": figures.sinumerik.cycle, "linuxcnc": figures.linuxcnc.cycle}.get(figures.model, CYCLE)
     with np.errstate(invalid="ignore"):
         kept = np.where(ramps > 0.0, profile.jerk[:, None] * ramps, 0.0)
     jerk = np.minimum(kept, acceleration / cycle)
