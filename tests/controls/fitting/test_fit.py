@@ -201,6 +201,18 @@ def test_one_time_tells_one_figure_as_well_as_the_others_are_known():
     assert found.modelled == pytest.approx(total, abs=0.006)
 
 
+def test_of_several_figures_that_fit_the_nearest_is_found():
+    """LinuxCNC with limited jerk takes as long with 3.8 times the jerk, too."""
+    ways = np.random.default_rng(5).uniform(-20.0, 20.0, (25, 3))
+    body = "".join(f"G1 X{x:.3f} Y{y:.3f} Z{z:.3f} F3000\n" for x, y, z in ways)
+    text = f"G21 G90 G17 G94 G64 P0.02\nG0 X0 Y0 Z0 A0 C0\n{body}M2\n"
+    moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
+    figures = figures_of({"linuxcnc": {"planner": 1}}, "", "linuxcnc")
+    total = time_of_moves(moves, MACHINE, figures).total
+    (told,) = fit_times(moves, MACHINE, [WrittenTime("", total, 0.1)], figures).fitted
+    assert told.name == "jerk" and told.least < 1.0 < told.most < 1.2 * told.least
+
+
 @pytest.mark.parametrize("slower", [0.97, 1.003])
 def test_a_figure_stays_within_what_may_be_of_it(slower: float):
     """The overload factor of a Sinumerik without roundings: below 1 there is none, which fits came to."""

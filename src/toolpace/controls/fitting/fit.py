@@ -169,7 +169,7 @@ def _rows(operation: str, parts: Sequence[PartTime], before: Sequence[WrittenTim
                 f"--fit: '{printable(operation)}' is written twice; a tool has one time, of all that it does"
             )
     if turn >= len(alike):
-        names = [*dict.fromkeys(part.name or f"T{part.tool}" for part in parts)]
+        names = [*dict.fromkeys(part.name or f"T{part.tool}" for part in parts if part.name or part.tool), "total"]
         name = printable(operation[:60])
         if alike:
             raise UsageError(

@@ -258,15 +258,19 @@ class Fitting:
 
         farthest = math.log(ALONE) / self.deviations[k]
         ends = np.clip([-farthest, farthest], self.least[k], self.most[k])
-        reached = [off(end) for end in ends]
-        if effects[k] == 0.0 or reached[0] * reached[1] > 0.0:
-            least, most = sorted(each + float(self.measured.times[0]) for each in reached)
+        # time may rise and fall again with a figure: of several values that fit, the nearest to what was before
+        tried = np.unique(np.clip([0.0, *(np.log(TRIED) / self.deviations[k])], ends[0], ends[1]))
+        reached = [off(value) for value in tried.tolist()]
+        between = [i for i in range(len(tried) - 1) if reached[i] * reached[i + 1] <= 0.0]
+        if effects[k] == 0.0 or not between:
+            least, most = (end(reached) + float(self.measured.times[0]) for end in (min, max))
             raise UsageError(
                 f"--fit: no {self.parameters[k].figure} makes the model take {format_time(self.measured.times[0])}: it "
                 f"takes {format_time(least)} to {format_time(most)}; is it the time of this program, without waiting "
                 "for people? Does the set-up sheet tell what tool changes take?"
             )
-        x[k] = float(brentq(off, float(ends[0]), float(ends[1]), xtol=1e-4))
+        i = min(between, key=lambda i: max(abs(float(tried[i])), abs(float(tried[i + 1]))))
+        x[k] = float(brentq(off, float(tried[i]), float(tried[i + 1]), xtol=1e-4))
         slopes = self.slopes(x)[0]
         others = float(np.sum(slopes**2) - slopes[k] ** 2)
         deviation = math.sqrt(others + float(self.measured.deviation[0]) ** 2)
