@@ -75,6 +75,7 @@ def test_a_log_is_read_by_the_names_of_its_columns(tmp_path: Path):
         ("t,X\n" + "".join(f"{-k},{k}\n" for k in range(30)), "times must rise"),
         ("t,X\n" + "".join(f"{k},5\n" for k in range(30)), "no axis moves"),
         ("t,X\n" + "".join(f"{k},nan\n" for k in range(30)), "log.csv:2: a figure is missing"),
+        ("t,X\n" + "".join(f"{k},{k}e200\n" for k in range(30)), "log.csv:3: a figure .* beyond 1e.09"),
     ],
 )
 def test_logs_that_cannot_be_used_are_refused_with_their_line(tmp_path: Path, text: str, told: str):

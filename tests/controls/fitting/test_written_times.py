@@ -44,12 +44,12 @@ def test_what_is_no_time(text: str):
 def test_a_list_as_a_shop_writes_it(tmp_path: Path):
     (tmp_path / "times.csv").write_text(
         "operation,time\nFace the top, 1:23\n\n\"Pocket, rough\"; 2 min 5 s\nDrill M8 x 20   83.4 s  # with chips\n"
-        "T5,0:40\nTotal  6:10\n",
+        "T5,0:40\nBore - 0:12\nTotal  6:10\n",
         encoding="utf-8",
     )
     found = [(each.operation, each.seconds) for each in load_written_times(tmp_path / "times.csv")]
     drill = ("Drill M8 x 20", pytest.approx(83.4))
-    assert found == [("Face the top", 83.0), ("Pocket, rough", 125.0), drill, ("T5", 40.0), ("", 370.0)]
+    assert found == [("Face the top", 83.0), ("Pocket, rough", 125.0), drill, ("T5", 40.0), ("Bore", 12.0), ("", 370.0)]
 
 
 def test_operations_that_are_called_as_axes_are_no_log(tmp_path: Path):
@@ -64,6 +64,7 @@ def test_operations_that_are_called_as_axes_are_no_log(tmp_path: Path):
     [
         ("Face, 1:23\nPocket, 12\n", "times.txt:2: 'Pocket, 12' ends with no time"),
         ("", "there is no time in it"),
+        ("Face, -1:15\n", "times.txt:1: 'Face, -1:15' is below zero"),
         ("Face, 3:75\n", "times.txt:1: 'Face, 3:75' ends with no time"),
         ("9" * 300_000 + "\n", "times.txt:1: '9999.*ends with no time"),
         ("Op;Zeit\n", "there is no time in it"),

@@ -55,6 +55,8 @@ _TIME_AT_END = re.compile(
 TIMES = ("t", "time")
 """Headings of the column of times in a log."""
 LEAST_ROWS = 20
+FARTHEST = 1e9
+"""Most of a position [mm, deg]."""
 STEADY = 0.2
 """Most share by which times between rows may differ from their median."""
 STILL = 1e-9
@@ -132,7 +134,10 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
                 "such as: Pocket, 1:23 (or 83 s, 2 min 5 s). A log of the axes begins with a line that names its "
                 "columns: t and the joints"
             )
-        name = words[: at_end.start()].strip().rstrip(",;:\t ").strip().strip("\"'").strip()
+        before = words[: at_end.start()]
+        if before.endswith("-"):
+            raise UsageError(f"--fit {path}:{number}: '{printable(words[:60])}' is below zero; write it without -")
+        name = before.rstrip(",;:=- \t").strip().strip("\"'").strip()
         found.append(WrittenTime("" if name.lower() in TOTAL else name, time.seconds, time.resolution))
     if not found:
         raise UsageError(f"--fit {path}: there is no time in it; write an operation and its time: Pocket, 1:23")
@@ -209,8 +214,9 @@ def _row(row: Sequence[str], wanted: Sequence[int], number: int, source: str) ->
         values = [float(row[column]) for column in wanted]
     except (ValueError, IndexError):
         values = [math.nan]
-    if not all(map(math.isfinite, values)):
-        raise UsageError(f"log {source}:{number}: a figure is missing or not finite; remove the line, or log anew")
+    if not all(map(math.isfinite, values)) or max(map(abs, values[1:])) > FARTHEST:
+        wrong = f"a figure is missing, not finite or beyond {FARTHEST:g}"
+        raise UsageError(f"log {source}:{number}: {wrong}; remove the line, or log anew")
     return values
 
 
