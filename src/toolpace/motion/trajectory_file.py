@@ -196,6 +196,9 @@ def _refuse_disorder(arrays: dict[str, Any]) -> None:
     for name in ("breaks", "block_start", "s", "nodes"):
         if name in arrays and not (np.diff(arrays[name]) > 0.0).all():
             raise DamagedError
+    for name in ("coefficients", "c", "z", "speed", "acceleration"):
+        if name in arrays and not np.isfinite(arrays[name]).all():
+            raise DamagedError
 
 
 def _parts(values: Any, lengths: list[int]) -> Iterator[Any]:
