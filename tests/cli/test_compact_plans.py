@@ -12,8 +12,10 @@ import pytest
 import toolpace as tp
 from tests.support.tampering import Tamper, fails
 from toolpace.cli import demo_programs, main
+from toolpace.judge import seen_motion
+from toolpace.motion import sampling, set_point_files
 from toolpace.motion.laws import SplineLaw
-from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.setpoints import STREAMED_COPIES, SetPoints
 from toolpace.motion.trajectory_file import write_trajectory
 from toolpace.path.follow_run import FollowRun
 
@@ -78,6 +80,22 @@ def test_figures_and_tables_are_the_same(plans):
     full, compact = plans / "full", plans / "compact"
     assert without_times(full) == without_times(compact)
     assert (full / "setpoints.csv").read_bytes() == (compact / "setpoints.csv").read_bytes()
+
+
+def test_files_and_verdict_are_the_same_in_blocks_of_any_length(plans, tmp_path, monkeypatch, capsys):
+    """A motion of one block is judged and written as in blocks whose borders lie on the way and in a dwell."""
+    points, said = tp.read_set_points(plans / "compact"), without_times(plans / "compact")
+    for module in (sampling, set_point_files):
+        monkeypatch.setattr(module, "ROWS", 512)
+    monkeypatch.setattr(seen_motion, "ROWS", 256)
+    words = [str(plans / "blade.ngc"), *PLAN, "--npz", "compact", "--csv", "--out", str(tmp_path / "out")]
+    assert len(points) > 3 * 512 and main(["plan", *words]) == 0
+    again, figures = tp.read_set_points(tmp_path / "out"), without_times(tmp_path / "out")
+    for each in fields(SetPoints):
+        np.testing.assert_array_equal(getattr(again, each.name), getattr(points, each.name), strict=True)
+    assert figures.pop("path_length_mm") == pytest.approx(said.pop("path_length_mm"), rel=1e-12) and figures == said
+    assert (tmp_path / "out" / "setpoints.csv").read_bytes() == (plans / "compact" / "setpoints.csv").read_bytes()
+    assert main(["verify", str(tmp_path / "out")]) == 0
 
 
 def test_every_command_takes_both(plans, tmp_path, capsys):
@@ -243,3 +261,15 @@ def test_a_path_of_another_plan_or_damaged_is_found(again, plans, tmp_path, caps
     path.write_bytes(path.read_bytes()[:-1])
     again.seal()
     fails(again, capsys, "trajectory.compact: damaged")
+
+
+def test_a_motion_whose_judgement_would_not_fit_into_memory_is_refused_by_its_own_duration(
+    plans, tmp_path, monkeypatch, capsys
+):
+    """The feeds of the program alone tell half of that, and would let it pass."""
+    count = json.loads((plans / "compact" / "plan.json").read_text())["set_points"]
+    room = 0.75 * count * 8 * (1 + 4 * 5 + 6 + 1) * STREAMED_COPIES
+    monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: room)
+    words = ["--npz", "compact", "--no-report", "--out", str(tmp_path / "out")]
+    assert main(["plan", str(plans / "blade.ngc"), *PLAN, *words]) == 2
+    assert "set-points: the motion takes" in capsys.readouterr().err and not list(tmp_path.iterdir())

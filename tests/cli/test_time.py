@@ -10,7 +10,9 @@ import pytest
 from tests.support.s_curves import duration
 from tests.support.trapezoids import log_of, program
 from toolpace.cli import main
+from toolpace.common.errors import InfeasibleError
 from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import OperationTime
 
 PROGRAM = (
     "G21 G90 G94\nG0 X0 Y0 Z10 A0 C0\nT1 M6\nG1 Z0 F1000\nG1 X40\nG1 Y30 A10\nG4 P1\nT2 M6\nG1 X0 C20\nG0 Z10\nM30\n"
@@ -137,6 +139,44 @@ def test_the_optimum_is_planned_with_the_limits_that_the_control_exceeds_too(tmp
     assert "in the ramps of 1 block" in page and "likewise" in page
 
 
+@pytest.mark.parametrize("fails", [False, True])
+def test_raised_limits_ask_nothing_and_end_nothing(tmp_path, capsys, monkeypatch, fails):
+    """The jumps of a Fanuc take some hundred times the jerk, which nobody wrote in another unit."""
+    (tmp_path / "part.nc").write_text("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X20 F6000\nY20\nX0\nM30\n")
+    own, planned = Machine.load("xyzac-trunnion").limits, []
+
+    def optimum_of(task, steps):
+        planned.append(task.machine.limits.jerk[0])
+        if fails and len(planned) % 2 == 0:
+            raise InfeasibleError("no motion")
+        return (OperationTime("", "", 3.0 / len(planned), 0.0, 0.0, 0),)
+
+    monkeypatch.setattr("toolpace.jobs.timed.optimum_of", optimum_of)
+    part = [str(tmp_path / "part.nc"), *MACHINE, "--model", "fanuc"]
+    assert main(["time", *part]) == 0
+    said = capsys.readouterr()
+    assert said.err == "" and planned[0] == own.jerk[0] and planned[1] > 100.0 * own.jerk[0]
+    assert ("left out, since no motion was found with these limits: no motion" in " ".join(said.out.split())) == fails
+    assert ("likewise" in said.out) != fails and "optimum" in said.out
+    (found,) = json.loads(printed(capsys, *part, "--json"))
+    assert (found["optimum_likewise_s"] is None) == fails and found["optimum_s"] is not None
+
+
+def test_operations_that_are_called_alike_have_each_its_own_optimum(tmp_path, capsys, monkeypatch):
+    """Tool 1, tool 2, tool 1 again: the optimum of the last stood beside the first, too."""
+    (tmp_path / "part.ngc").write_text(
+        "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nT1 M6\nG1 X40 F1000\nT2 M6\nG1 Y30\nT1 M6\nG1 X0\nM30\n"
+    )
+    best = [OperationTime("", tool, time, 0.0, 0.0, 0) for tool, time in (("1", 2.0), ("2", 1.0), ("1", 0.5))]
+    monkeypatch.setattr("toolpace.jobs.timed.optimum_of", lambda task, steps: tuple(best))
+    part = [str(tmp_path / "part.ngc"), *MACHINE, "--model", "lookahead"]
+    (found,) = json.loads(printed(capsys, *part, "--json"))
+    told = [(each["tool"], each["optimum_s"]) for each in found["operations"] if each["tool"]]
+    assert told == [("1", 2.0), ("2", 1.0), ("1", 0.5)]
+    rows = [line.split() for line in printed(capsys, *part).splitlines()]
+    assert [row[-2] for row in rows if row[:2] in (["-", "1"], ["-", "2"])] == ["2.00", "1.00", "500"]
+
+
 def test_the_range_is_told_with_what_it_is_mostly_from(part, tmp_path, capsys):
     (tmp_path / "mine.toml").write_text(
         'name = "mine"\nlike = "linuxcnc"\n[time]\nmodel = "lookahead"\n[time.uncertainty]\n'
@@ -162,7 +202,7 @@ def test_one_measured_time_makes_a_controllers_file(part, tmp_path, capsys):
     assert found["total_s"] == pytest.approx(9.00, abs=0.02)
     (tmp_path / "times.txt").write_text("T1, 1:00\nT9, 2:00\n")
     assert main(["time", *measured, "--fit", str(tmp_path / "times.txt")]) == 2
-    assert "the program has no operation 'T9' left" in capsys.readouterr().err
+    assert "the program has no operation 'T9'; known: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -172,6 +212,7 @@ def test_one_measured_time_makes_a_controllers_file(part, tmp_path, capsys):
         (["--model", "fir"], "there is no such model any more; take heidenhain or fanuc"),
         (["--write-controller", "a.toml"], "goes with --fit"),
         (["--fit", "none.csv"], "cannot be read"),
+        (["--fit", "3:75"], "or give one time, such as 3:12"),
     ],
 )
 def test_wrong_options_are_one_line(part, arguments, told, capsys):

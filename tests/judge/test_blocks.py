@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tests.support import motions
-from toolpace.judge import seen_motion, verify
+from toolpace.judge import motion_judge, seen_motion, verify
 from toolpace.judge.seen_motion import WINDOW, Largest, each_block
+from toolpace.motion.setpoints import Block
 
 
 def judged(points, monkeypatch, rows):
@@ -56,6 +57,29 @@ def test_a_right_motion_is_found_right_in_any_blocks(monkeypatch):
     whole, parts = judged(points, monkeypatch, 1 << 30), judged(points, monkeypatch, WINDOW)
     assert whole.ok and parts.ok
     assert all(same(astuple(a), astuple(b)) for a, b in zip(whole.checks, parts.checks, strict=True))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, WINDOW, WINDOW + 1, WINDOW + 2, 2 * WINDOW + 1])
+def test_of_any_number_of_set_points_none_is_left_out(count, monkeypatch):
+    """Also where the last block is one set-point, to which a step leads and from which none begins."""
+    points = motions.set_points().rows(0, count)
+    q = np.array(points.q)
+    q[-1] += 1e-3
+    points = replace(points, q=q)
+    whole, parts = judged(points, monkeypatch, 1 << 30), judged(points, monkeypatch, WINDOW)
+    assert {check.what for check in parts.findings} >= ({"set-points"} if count == 1 else {"velocity", "tip column"})
+    assert all(same(astuple(a), astuple(b)) for a, b in zip(whole.checks, parts.checks, strict=True))
+
+
+def test_the_order_in_which_blocks_come_says_nothing():
+    points = motions.set_points()
+    verdicts = []
+    for turn in (1, -1):
+        judge = motion_judge(points, motions.machine(), motions.program(), 10e-6, 1e-3)
+        for begin in range(0, len(points), WINDOW)[::turn]:
+            judge.take(Block.of(points, begin, min(begin + WINDOW, len(points))))
+        verdicts.append(judge.judged()[0])
+    assert verdicts[0] == verdicts[1] and verdicts[0].ok
 
 
 def test_the_first_of_the_largest_rows_is_named(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import tracemalloc
 
 import numpy as np
@@ -41,3 +42,26 @@ def test_a_sampling_that_is_taken_in_blocks_is_that_of_all_at_once(motion: tp.Tr
         assert blocks.rows(begin, end) == whole.rows(begin, end)
     some = np.array([3, 3, 500, len(whole) - 1])
     assert blocks.at(some) == whole.at(some)
+
+
+def test_ctrl_c_ends_the_work_after_the_blocks_under_way(monkeypatch: pytest.MonkeyPatch, motion: tp.Trajectory):
+    """Whoever presses it is heard in the main thread alone."""
+    monkeypatch.setattr(sampling, "ROWS", 10)
+    blocks, taken = sampling.Sampling(motion, 1e-4, on_grid=False), []
+
+    def take(block: object) -> None:
+        taken.append(block)
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sampling.each_block(blocks, (take,), beside=(lambda: None,))
+    assert len(taken) < len(blocks) / 20
+
+
+def test_an_error_of_the_work_beside_blocks_is_raised(motion: tp.Trajectory):
+    def work() -> None:
+        raise ValueError("beside")
+
+    with pytest.raises(ValueError, match="beside"):
+        sampling.each_block(sampling.Sampling(motion, 1e-3, on_grid=False), (), beside=(work,))

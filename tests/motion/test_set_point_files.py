@@ -164,3 +164,8 @@ def test_what_is_no_file_is_told(tmp_path):
         (tmp_path / "file").write_text("")
         write_compact(tmp_path / "file" / "points", POINTS, MACHINE)
     assert [each.name for each in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_file_in_the_format_of_another_version_is_told(data, tmp_path):
+    words = "points: is in a format of another version of toolpace, which this one does not read; plan again"
+    refused(tmp_path / "points", b"toolpace set-points 9\n" + data[len(MAGIC) :], words)

@@ -12,6 +12,7 @@ import toolpace as tp
 from toolpace.common.errors import UsageError
 from toolpace.motion.packed_numbers import STRETCH, left_of_splines, splines_of
 from toolpace.motion.trajectory_file import MAGIC, is_writable, read_trajectory, write_trajectory
+from toolpace.path.follow_run import FollowRun
 
 PLANNERS = ("optimal", "second-order", "genetic")
 
@@ -120,3 +121,19 @@ def test_what_is_no_file_is_told(tmp_path, machine):
         read_trajectory(tmp_path / "law", machine)
     with pytest.raises(UsageError, match="cannot read: is a directory"):
         read_trajectory(tmp_path, machine)
+
+
+def test_a_file_in_the_format_of_another_version_is_told(data, tmp_path, machine):
+    (tmp_path / "law").write_bytes(b"toolpace trajectory 1\n" + data[len(MAGIC) :])
+    with pytest.raises(UsageError, match=r"law: is in a format of another version of toolpace.*; plan again"):
+        read_trajectory(tmp_path / "law", machine)
+
+
+def test_a_path_of_what_are_no_numbers_is_refused(trajectory, tmp_path, machine):
+    run = trajectory.axis_path.runs[-1]
+    coefficients = run.run.coefficients.copy()
+    coefficients[-1, 0, 0] = np.nan
+    other = FollowRun(replace(run.run, coefficients=coefficients), run.machine, run.branch)
+    path = replace(trajectory.axis_path, runs=(*trajectory.axis_path.runs[:-1], other))
+    write_trajectory(tmp_path / "law", path, trajectory.laws)
+    refused(tmp_path / "law", (tmp_path / "law").read_bytes(), machine)

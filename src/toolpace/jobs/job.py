@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
-from toolpace.common.workers import Workers
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
@@ -87,7 +86,8 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
-    refuse_without_room(job, toolpath.least_duration, "the feeds of the program alone take")
+    # a curve may cut corners, so half of the time is what is sure
+    refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
         compensation = compensated_for_bending(job, steps, toolpath)
         if compensation is None:
@@ -124,16 +124,16 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
 
 
 def refuse_without_room(job: Job, duration: float, what: str) -> None:
-    """Raise UsageError where the results would not fit into memory or on the disk, before the work that makes them."""
+    """Raise UsageError where the results of a motion that takes a `duration` [s] at least would not fit into memory or
+    on the disk, before the work that makes them."""
     from toolpace.common.errors import UsageError
     from toolpace.common.files import free_disk
     from toolpace.motion.set_point_files import form_of, full_size, size_of
-    from toolpace.motion.setpoints import refuse_too_many
+    from toolpace.motion.setpoints import COPIES, STREAMED_COPIES, refuse_too_many
 
-    joints = len(job.machine.joints)
-    # A curve may cut corners, so half of the time is what is sure.
-    refuse_too_many(0.5 * duration, job.dt, joints, what + " more than")
-    count = 0.5 * duration / job.dt
+    joints, count = len(job.machine.joints), duration / job.dt
+    copies = COPIES if holds_all(job, int(count)) else STREAMED_COPIES
+    refuse_too_many(duration, job.dt, joints, what, copies)
     form = form_of(job.npz, int(count), joints)
     # Of a table every figure has about 20 characters; a report has at most 20 MB.
     wanted = size_of(form, count, joints) + 2.5 * job.csv * full_size(count, joints) + 5e6
@@ -143,6 +143,14 @@ def refuse_without_room(job: Job, duration: float, what: str) -> None:
             f"--out {job.out}: the results take more than {wanted / 1e9:.3g} GB, and {free / 1e9:.3g} GB are free "
             "there; give a longer --dt, or a folder on another disk"
         )
+
+
+def holds_all(job: Job, count: int) -> bool:
+    """Whether so many set-points are in memory at once: where their file holds them as they are, and where a tool
+    bends."""
+    from toolpace.motion.set_point_files import form_of
+
+    return job.tool is not None or form_of(job.npz, count, len(job.machine.joints)) == "full"
 
 
 def loaded(job: Job) -> Job:
@@ -281,21 +289,17 @@ class Sampled(NamedTuple):
 
 def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath) -> Sampled:
     """Set-points at equal times, within travel, block by block: each goes from the trajectory to the judge and to the
-    files. The use of the limits between them is looked at on the way.
-
-    All of them are in memory where the file holds them as they are, and where a tool bends.
-    """
+    files. The use of the limits between them is looked at on the way."""
     from toolpace.common.errors import ReachError
     from toolpace.judge import motion_judge
     from toolpace.motion.sampling import Sampling, each_block
-    from toolpace.motion.set_point_files import form_of
     from toolpace.motion.setpoints import in_memory
     from toolpace.programs.reading.setup_file import setup_text
     from toolpace.results import write
 
     with steps.step("sampling") as step:
         points: SetPointSource = Sampling(trajectory, job.dt, on_grid=True)
-        if job.tool is not None or form_of(job.npz, len(points), len(points.joints)) == "full":
+        if holds_all(job, len(points)):
             points = trajectory.sample(job.dt, on_grid=True)
         judge = motion_judge(
             points, job.machine, toolpath, job.tip_tolerance, job.axis_tolerance, job.tool,
@@ -306,11 +310,8 @@ def sample_motion(job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath:
         def check_travel(block: Block) -> None:
             job.machine.check_travel(block.points.q, block.points.block, toolpath.source)
 
-        def go_through() -> None:
-            each_block(points, (check_travel, judge.take, digest.take))
-
         try:
-            Workers().each(lambda work: work(), (go_through, trajectory.usage))
+            each_block(points, (check_travel, judge.take, digest.take), beside=(trajectory.usage,))
         except ReachError:
             every = in_memory(points)
             job.machine.check_travel(every.q, every.block, toolpath.source)

@@ -39,7 +39,7 @@ class Timed:
     optimum: float | None = None
     """[s], with the tool changes; None where it was not wanted."""
     optimum_likewise: float | None = None
-    """The same with each limit as high as the control went; None where it exceeds none."""
+    """The same with each limit as high as the control went; None where it exceeds none, or no motion is found."""
     assumed: tuple[str, ...] = ()
     program_tolerance: tuple[float, float] | None = None
     """The least and the widest tolerance of the tip that the program asks for [m]; None where it asks for none."""
@@ -78,6 +78,7 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     import numpy as np
 
     from toolpace.controls.timing.exceeded import raised_limits
+    from toolpace.controls.timing.figures import within_limits
     from toolpace.controls.timing.program_time import (
         figures_for,
         moves_of,
@@ -115,9 +116,13 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     changes = time.sum("tool_change")
     likewise = None
     if best and time.exceeded:
-        raised = request.machine.with_limits(raised_limits(request.machine, time.exceeded))
+        raised = within_limits(request.machine, raised_limits(request.machine, time.exceeded))
         steps.say("optimum with the limits that the control exceeds as high as it goes")
-        likewise = sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + changes
+        try:
+            likewise = sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + changes
+        except ToolpaceError as error:
+            # limits some thousand times as high are no machine's: what else was found still counts
+            steps.say(f"left out, since no motion was found with these limits: {error}")
     tolerances = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
     least = sum(each.time for each in best) + changes if best else None
     return Timed(
@@ -160,6 +165,18 @@ def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     return tuple(operation_times(trajectory, toolpath))
 
 
+def optimum_of_parts(found: Timed) -> list[float | None]:
+    """The optimum of each part of the time [s], tool changes left out; of parts that are called alike in their order.
+
+    None of a part without one.
+    """
+    best: dict[tuple[str, str], list[float]] = {}
+    for each in reversed(found.best):
+        best.setdefault((each.name, each.tool), []).append(each.time)
+    parts = () if found.time is None else found.time.parts
+    return [left.pop() if (left := best.get((part.name, part.tool))) else None for part in parts]
+
+
 def time_record(found: Timed, machine: str) -> dict[str, object]:
     """An entry of JSON, times in seconds; what could not be timed has an `error` and no times."""
     entry: dict[str, object] = {"program": printable(found.program), "machine": machine}
@@ -174,7 +191,6 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
     for part in time.parts:
         tools[part.tool] = tools.get(part.tool, 0.0) + part.time
     entry["tools"] = [{"tool": printable(tool), "total_s": seconds} for tool, seconds in tools.items()]
-    best = {(each.name, each.tool): each.time for each in found.best}
     entry["operations"] = [
         {
             "name": printable(part.name),
@@ -182,9 +198,9 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
             "total_s": part.time,
             **{f"{kind}_s": getattr(part, kind) for kind in KINDS},
             "rests": part.rests,
-            "optimum_s": best.get((part.name, part.tool)),
+            "optimum_s": least,
         }
-        for part in time.parts
+        for part, least in zip(time.parts, optimum_of_parts(found))
     ]
     tolerances = found.program_tolerance
     entry["program_tolerance_mm"] = None if tolerances is None else [each / MILLIMETRE for each in tolerances]

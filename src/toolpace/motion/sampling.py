@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -119,15 +119,21 @@ class Sampling:
             columns["tip"][:], columns["axis"][:] = self.machine.forward(motion.q, lengths)
 
 
-def each_block(source: SetPointSource, takers: Sequence[Callable[[Block], None]]) -> None:
-    """Give each block of a source to all takers, on all cores."""
+def each_block(
+    source: SetPointSource, takers: Sequence[Callable[[Block], None]], beside: Sequence[Callable[[], object]] = ()
+) -> None:
+    """Give each block of a source to all takers, on all cores; work that is done `beside` it comes first.
+
+    An error, and Ctrl-C, are raised when the blocks under way are done.
+    """
 
     def give(begin: int) -> None:
         block = Block.of(source, begin, min(begin + ROWS, len(source)))
         for take in takers:
             take(block)
 
-    Workers().each(give, range(0, len(source), ROWS))
+    pieces: list[Callable[[], object]] = [*beside, *(partial(give, k) for k in range(0, len(source), ROWS))]
+    Workers().each(lambda work: work(), pieces)
 
 
 def grids(limits: Limits, dt: float) -> Floats:

@@ -27,7 +27,7 @@ from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import msgspec
 import numpy as np
@@ -35,7 +35,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
-from toolpace.common.files.atomic import read_binary
+from toolpace.common.files.atomic import read_binary, refuse_other_format
 from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
 from toolpace.motion.packed_numbers import (
@@ -49,9 +49,6 @@ from toolpace.motion.packed_numbers import (
 )
 from toolpace.motion.sampling import each_block
 from toolpace.motion.setpoints import ROWS, Block, SetPoints, SetPointSource
-
-if TYPE_CHECKING:
-    from toolpace.machine.machine import Machine
 
 ORDER = 5
 """Of the differences of positions: of the orders 3 to 7 this one leaves the fewest bits (docs/design/set_points.md)."""
@@ -72,8 +69,8 @@ OLD_WORDS = {"all": "full", "none": "no", True: "full", False: "no"}
 """What was said before, and is still understood."""
 SMALL = 20e6
 """Most bytes of a file that auto writes in full."""
-ROUGHLY = 0.5
-"""Bytes of the compact file for each number of a row of the full one, as measured on long programs: 0.3 to 0.4."""
+LEAST_BYTES = 0.15
+"""Of the compact file for each number of the full one: 0.15 to 0.32 were measured (docs/design/set_points.md)."""
 
 
 def residuals(jets: Floats, dt: float) -> tuple[list[Ints], list[int]]:
@@ -214,8 +211,7 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def _head(stream: BinaryIO, machine: Machine) -> Head:
     """The first two lines. Raises DamagedError, and UsageError where the joints are not the machine's."""
-    if stream.read(len(MAGIC)) != MAGIC:
-        raise DamagedError
+    refuse_other_format(stream, MAGIC)
     head = msgspec.json.decode(stream.readline(LONGEST_HEAD), type=Head)
     if not (math.isfinite(head.dt) and head.rows >= 0 and (head.tool or not head.tool_length)):
         raise DamagedError
@@ -309,8 +305,8 @@ def full_size(count: float, joints: int) -> float:
 
 
 def size_of(form: str, count: float, joints: int) -> float:
-    """Bytes that so many set-points take, roughly where they are compact."""
-    return {"full": 1.0, "compact": ROUGHLY / 8.0, "no": 0.0}[form] * full_size(count, joints)
+    """Bytes that so many set-points take, at least where they are compact."""
+    return {"full": 1.0, "compact": LEAST_BYTES / 8.0, "no": 0.0}[form] * full_size(count, joints)
 
 
 def file_of(form: str) -> str:

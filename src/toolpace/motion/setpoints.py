@@ -23,17 +23,21 @@ ROWS = 1 << 15
 """Rows of a block: what is worked on at once stays in the cache of a core."""
 REACH = 4
 """Rows before and behind a block that come with it, for differences."""
-COPIES = 3
-"""How often as much memory as set-points take is needed at once, to sample, judge and draw them (2.1 was measured)."""
+COPIES, STREAMED_COPIES = 3, 2
+"""How often as much memory as set-points take is needed at once, to sample, judge and draw them: where all of them are
+held, and where each block is let go (2.3 and 1.4 were measured of 40 minutes)."""
 
 
-def refuse_too_many(duration: float, dt: float, joints: int, what: str = "the motion takes") -> None:
-    """Raise UsageError where set-points every `dt` [s] of a `duration` [s] would not fit into memory."""
+def refuse_too_many(
+    duration: float, dt: float, joints: int, what: str = "the motion takes", copies: int = COPIES
+) -> None:
+    """Raise UsageError where so many `copies` of set-points every `dt` [s] of a `duration` [s] would not fit into
+    memory."""
     row = 8 * (1 + 4 * joints + 6 + 1)
-    wanted, free = duration / dt * row * COPIES, free_memory()
+    wanted, free = duration / dt * row * copies, free_memory()
     if wanted <= free:
         return
-    least = duration * row * COPIES / free
+    least = duration * row * copies / free
     raise UsageError(
         f"set-points: {what} {format_time(duration)}, that is {duration / dt:.3g} set-points every {dt:g} s, and "
         f"{wanted / 1e9:.3g} GB of memory, of which {free / 1e9:.3g} GB are free; take a time step of {least:.2g} s or "

@@ -21,7 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Ints
 from toolpace.common.files import whole_file
-from toolpace.common.files.atomic import read_binary
+from toolpace.common.files.atomic import read_binary, refuse_other_format
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
 from toolpace.motion.packed_numbers import DamagedError, bits_of, left_of_splines, pack, splines_of, unpack
 from toolpace.path.axis_path import AxisPath
@@ -121,8 +121,7 @@ def read_trajectory(path: str | os.PathLike[str], machine: Machine) -> tuple[Axi
 
 
 def _read(stream: BinaryIO, machine: Machine) -> tuple[AxisPath, tuple[TimeLaw, ...]]:
-    if stream.read(len(MAGIC)) != MAGIC:
-        raise DamagedError
+    refuse_other_format(stream, MAGIC)
     head = msgspec.json.decode(stream.readline(LONGEST_HEAD), type=Head)
     if head.columns not in (5, 6) or not head.runs:
         raise DamagedError
@@ -196,6 +195,9 @@ def _refuse_disorder(arrays: dict[str, Any]) -> None:
     """Raise DamagedError where parameters do not ascend, or are not finite."""
     for name in ("breaks", "block_start", "s", "nodes"):
         if name in arrays and not (np.diff(arrays[name]) > 0.0).all():
+            raise DamagedError
+    for name in ("coefficients", "c", "z", "speed", "acceleration"):
+        if name in arrays and not np.isfinite(arrays[name]).all():
             raise DamagedError
 
 

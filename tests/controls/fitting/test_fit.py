@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,7 @@ def test_a_log_is_read_by_the_names_of_its_columns(tmp_path: Path):
         ("t,X\n" + "".join(f"{-k},{k}\n" for k in range(30)), "times must rise"),
         ("t,X\n" + "".join(f"{k},5\n" for k in range(30)), "no axis moves"),
         ("t,X\n" + "".join(f"{k},nan\n" for k in range(30)), "log.csv:2: a figure is missing"),
+        ("t,X\n" + "".join(f"{k},{k}e200\n" for k in range(30)), "log.csv:3: a figure .* beyond 1e.09"),
     ],
 )
 def test_logs_that_cannot_be_used_are_refused_with_their_line(tmp_path: Path, text: str, told: str):
@@ -120,8 +122,25 @@ def test_the_log_of_another_program_is_refused():
     q = np.zeros((400, 5))
     q[:, 2] = np.linspace(0.0, 40.0, 400)
     moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
-    with pytest.raises(UsageError, match="not measured of this program"):
+    with pytest.raises(UsageError, match=r"its axes go \d+ times as far as the program; log the whole program"):
         fit_log(moves, MACHINE, MotionLog(1e-3, q), figures_of({}, "", "lookahead"))
+
+
+WRONG_LOGS = {
+    "half of it": (lambda log: MotionLog(log.dt, log.q[: len(log.q) // 2]), "X ends 16 mm from where it ends in the"),
+    "columns exchanged": (lambda log: MotionLog(log.dt, log.q[:, [2, 0, 1, 3, 4]]), "X ends 24 mm from where"),
+    "inches": (lambda log: MotionLog(log.dt, log.q / 25.4), "its axes go 0.0394 times as far as the program"),
+    "milliseconds": (lambda log: MotionLog(1e3 * log.dt, log.q), "that is not measured of this program"),
+}
+
+
+@pytest.mark.parametrize(("wrong", "told"), WRONG_LOGS.values(), ids=WRONG_LOGS)
+def test_what_is_no_log_of_the_whole_program_in_its_units_is_refused(
+    wrong: Callable[[MotionLog], MotionLog], told: str
+):
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    with pytest.raises(UsageError, match=told):
+        fit_log(moves, MACHINE, wrong(log_of()), figures_of({}, "", "lookahead"))
 
 
 @pytest.mark.parametrize(("seed", "dt", "noise"), [(1, 2e-3, 1e-7), (7, 2e-3, 1e-7), (1, 1e-3, 1e-6), (7, 1e-3, 1e-8)])
@@ -183,6 +202,38 @@ def test_one_time_tells_one_figure_as_well_as_the_others_are_known():
     assert found.modelled == pytest.approx(total, abs=0.006)
 
 
+def test_of_several_figures_that_fit_the_nearest_is_found():
+    """LinuxCNC with limited jerk takes as long with 3.8 times the jerk, too."""
+    ways = np.random.default_rng(5).uniform(-20.0, 20.0, (25, 3))
+    body = "".join(f"G1 X{x:.3f} Y{y:.3f} Z{z:.3f} F3000\n" for x, y, z in ways)
+    text = f"G21 G90 G17 G94 G64 P0.02\nG0 X0 Y0 Z0 A0 C0\n{body}M2\n"
+    moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
+    figures = figures_of({"linuxcnc": {"planner": 1}}, "", "linuxcnc")
+    total = time_of_moves(moves, MACHINE, figures).total
+    (told,) = fit_times(moves, MACHINE, [WrittenTime("", total, 0.1)], figures).fitted
+    assert told.name == "jerk" and told.least < 1.0 < told.most < 1.2 * told.least
+
+
+@pytest.mark.parametrize("slower", [0.97, 1.003])
+def test_a_figure_stays_within_what_may_be_of_it(slower: float):
+    """The overload factor of a Sinumerik without roundings: below 1 there is none, which fits came to."""
+    ways = [(k % 3, 0.01 * (-1) ** (k // 3)) for k in range(12)]
+    text, place = ["G71 G90 G94 G64", "G0 X0 Y0 Z0 A0 C0"], np.zeros(3)
+    for axis, way in ways:
+        place[axis] += way
+        text.append("G1 " + " ".join(f"{name}{1e3 * at:.4f}" for name, at in zip("XYZ", place)) + " F3000")
+    moves = read_commanded(Source.from_text("\n".join([*text, "M30", ""]), "part.mpf"), MACHINE)
+    exact = {"acceleration": 1.0, "jerk": 1.0, "sinumerik": {"cycle": 1.0}}
+    figures = figures_of({"uncertainty": exact}, "", "sinumerik")
+    total = slower * time_of_moves(moves, MACHINE, figures).total
+    found = fit_times(moves, MACHINE, [WrittenTime("", total, 1e-3)], figures)
+    (told,) = found.fitted
+    assert told.name == "overload" and 1.0 <= told.least < told.value < told.most
+    assert found.modelled == pytest.approx(total, abs=1e-3)
+    # the written file can be read and has a range
+    assert with_range(time_of_moves(moves, MACHINE, found.figures), moves, MACHINE, found.figures).range is not None
+
+
 @pytest.mark.sweep
 def test_stated_ends_hold_95_of_100_controls():
     """Acceleration and jerk drawn as uncertain as they are by default; the whole time is written to a tenth of it."""
@@ -198,10 +249,19 @@ def test_stated_ends_hold_95_of_100_controls():
     assert held >= 95
 
 
+def test_an_operation_is_written_as_often_as_it_is_there():
+    text = "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\n(operation: Face)\nG1 X40 F1000\nM2\n"
+    moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
+    (name,) = {each.name for each in moves.operations if each.name}
+    with pytest.raises(UsageError, match="is written 2 times, and the program has 1 of it; remove a line"):
+        fit_times(moves, MACHINE, [WrittenTime(name, 3.0, 1.0)] * 2, figures_of({}, "", "lookahead"))
+
+
 @pytest.mark.parametrize(
     ("written", "told"),
     [
-        ([WrittenTime("Pocket", 3.0, 1.0)], "no operation 'Pocket' left; .*T1"),
+        ([WrittenTime("Pocket", 3.0, 1.0)], "no operation 'Pocket'; .*T1"),
+        ([WrittenTime("T1", 1.0, 1.0)] * 2, "'T1' is written twice"),
         ([WrittenTime("", 900.0, 1.0)], "no jerk makes the model take 15 min"),
         ([WrittenTime("T1", 90.0, 1.0), WrittenTime("T2", 800.0, 1.0)], "not measured of this program"),
     ],

@@ -24,6 +24,20 @@ def test_linuxcnc_keeps_no_jerk_in_ramps():
     assert str(worst) == "jerk of X up to 50 times its limit in the ramps of 1 block, worst at line 3"
 
 
+def test_the_cycle_of_linuxcnc_is_that_of_its_figures():
+    found = exceeded("G1 X50 F6000\n", "linuxcnc", linuxcnc={"cycle": 0.002})
+    assert found["jerk", "X"].ratio == pytest.approx(A / 2e-3 / J)
+
+
+@pytest.mark.parametrize("model", ["linuxcnc", "lookahead"])
+@pytest.mark.parametrize("feed", ["G94", "G93"])
+def test_blocks_that_the_program_keeps_steady_have_no_ramps(model: str, feed: str):
+    """Ten blocks of 100.037 ms on one line: the first and the last change their speed."""
+    word = "F6000" if feed == "G94" else "F599.778"
+    body = f"{feed}\n" + "".join(f"G1 X{k * 10.0037:.4f} {word}\n" for k in range(1, 11))
+    assert exceeded(body, model, acceleration=1.3)["acceleration", "X"].count == 2
+
+
 def test_brisk_of_a_sinumerik_keeps_none_and_soft_does():
     body, at = "G1 X50 F6000\n", {"brisk": 1.0, "cycle": 0.002}
     assert exceeded(body, "sinumerik") == {}

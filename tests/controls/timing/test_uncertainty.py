@@ -87,6 +87,12 @@ def test_exact_figures_leave_no_range():
     assert range_of(waits, figures_of({}, "", "fanuc")).mostly == ""
 
 
+def test_a_figure_without_effect_is_not_named_for_the_rounding_of_a_sum():
+    found = range_of(moves_of(CORNERS), figures_of({}, "", "sinumerik"))
+    assert all(each.width > 1e-9 * found.most for each in found.effects)
+    assert not {"jerk of A", "jerk of C"} & {each.figure for each in found.effects}
+
+
 def test_figures_by_axis_are_uncertain_each_by_itself():
     table = {"jerk": {"X": 1e3 * J, "Y": 1e3 * J}, "uncertainty": {"jerk": {"Y": 3.0, "X": 1.01, "Z": 1.0}}}
     found = range_of(moves_of("G1 X50 F6000\nG1 Y50\n"), figures_of(table, "", "lookahead"))

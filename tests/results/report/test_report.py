@@ -18,14 +18,16 @@ from tests.support import motions
 from tests.support.tool_paths import toolpath_through
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
-from toolpace.results.report import report
+from toolpace.motion import sampling
+from toolpace.results.report import charts, report
 from toolpace.results.report.charts import (
     NOTHING,
     Channel,
+    Curves,
+    FeedCaps,
     binding,
     deviations,
     extremes,
-    feed_cap,
     limit_names,
     packed,
 )
@@ -110,7 +112,7 @@ def test_feed_cap_knows_least_times():
     least[30] = 0.02
     timed = replace(PROGRAM, least_time=least, feed=np.full(len(PROGRAM), np.inf))
     points = TRAJECTORY.sample()
-    cap = feed_cap(points, timed)
+    cap = FeedCaps(timed).at(points.block)
     assert np.isinf(cap[points.block != 40]).all()
     np.testing.assert_allclose(cap[points.block == 40], 5e-4 / 0.02, rtol=1e-6)
 
@@ -205,3 +207,19 @@ def test_deviations_are_those_of_the_run_that_is_passed():
         assert run.s0 == 0.0 and 0 < of_run.sum() < len(t)
         cell = np.searchsorted(breaks[1:-1], trajectory.parameter(t[of_run]), side="right")
         np.testing.assert_allclose(tip.values[of_run], off[cell] / 10e-6)
+
+
+@pytest.mark.parametrize("points", [40_000, 100])
+def test_curves_are_the_same_in_blocks_of_any_length(monkeypatch, points):
+    """Also where blocks begin and end within the stretches of which the extremes are shown."""
+    monkeypatch.setattr(charts, "POINTS", points)
+    found = []
+    for rows in (1 << 15, 77):
+        monkeypatch.setattr(sampling, "ROWS", rows)
+        found.append(Curves.of(TRAJECTORY.sample(), TRAJECTORY.limits, ["m"] * len(TRAJECTORY.joints), PROGRAM))
+    whole, blocks = (curves.extremes() for curves in found)
+    assert len(whole) > 2 and [each.name for each in whole] == [each.name for each in blocks]
+    for one, other in zip(whole, blocks, strict=True):
+        np.testing.assert_array_equal(one.values, other.values)
+        assert one.top == other.top
+    np.testing.assert_array_equal(found[0].tip_steps, found[1].tip_steps)

@@ -283,3 +283,15 @@ def test_killed_at_any_moment_the_old_or_the_new_is_there_whole(tmp_path, kills,
     # Both outcomes came up, and so did kills in the midst of the work.
     assert set(told["seen"]) == {0, 1} and told["stale"] > kills // 4
     assert told["left"] == [] and [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_file_of_a_folder_that_the_disk_does_not_take_is_told_by_the_place_of_the_folder(here):
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    with (
+        pytest.raises(UsageError) as caught,
+        whole_folder(here / "out", seal="plan.json") as new,
+        whole_file(new / "data.bin"),
+    ):
+        raise full
+    assert str(caught.value) == f"{here / 'out'}: cannot write: no space left on device"
+    assert caught.value.__context__ is full and [path.name for path in here.iterdir()] == ["cwd"]

@@ -21,7 +21,7 @@ from toolpace.cli.console import (
 )
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import format_length, format_time
-from toolpace.jobs.timed import KINDS, Timed, TimeRequest, time_record, timed, timed_or_wrong
+from toolpace.jobs.timed import KINDS, Timed, TimeRequest, optimum_of_parts, time_record, timed, timed_or_wrong
 
 if TYPE_CHECKING:
     from toolpace.controls.fitting.least_squares import Fit
@@ -39,6 +39,8 @@ MODELS = {
 }
 """What each model of a control does, in words."""
 FASTER = "the control exceeds limits of joints, or of jerk, that the optimum keeps"
+NOT_LEAST = "no limit is seen to be exceeded: the path of the plan is not the fastest within the tolerance"
+"""Where an optimum takes longer than the control does, why."""
 MOST_PARTS = 60
 """Operations that a page lists."""
 POOR = 0.05
@@ -89,10 +91,10 @@ def _show_page(console: Console, found: Timed, machine: str) -> None:
     ]
     rows.append(("tolerance", _tolerance(found)))
     if found.optimum is not None:
-        rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time.total, found.optimum)}"))
+        rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time, found.optimum)}"))
     rows += [("exceeds" if k == 0 else "", str(each)) for k, each in enumerate(time.exceeded)]
     if found.optimum_likewise is not None:
-        likewise = f"{format_time(found.optimum_likewise)}, {_saving(time.total, found.optimum_likewise)}"
+        likewise = f"{format_time(found.optimum_likewise)}, {_saving(time, found.optimum_likewise)}"
         rows.append(("likewise", f"{likewise}: the optimum with these limits exceeded as far"))
     rows += [("assumed" if k == 0 else "", sentence) for k, sentence in enumerate(found.assumed)]
     for name, text in rows:
@@ -122,15 +124,14 @@ def _percents(time: ProgramTime) -> str:
 
 def _show_parts(console: Console, found: Timed) -> None:
     assert found.time is not None
-    best = {(each.name, each.tool): each.time for each in found.best}
+    best = optimum_of_parts(found)
     headings = ["operation", "tool", "time", "cutting", "rapid", "dwell", "tool change", "rests"]
-    table = new_table([*headings, *(["optimum"] if best else [])], left=("operation", "tool"))
-    for part in found.time.parts[:MOST_PARTS]:
+    table = new_table([*headings, *(["optimum"] if found.best else [])], left=("operation", "tool"))
+    for part, least in list(zip(found.time.parts, best))[:MOST_PARTS]:
         times = (part.time, part.cutting, part.rapid, part.dwell, part.tool_change)
         words = [part.name or "-", part.tool or "-", *(format_time(each) if each else "-" for each in times)]
         words.append(str(part.rests))
-        if best:
-            least = best.get((part.name, part.tool))
+        if found.best:
             words.append("-" if least is None else format_time(least + part.tool_change))
         table.add_row(*cells(words))
     console.print(table)
@@ -139,7 +140,8 @@ def _show_parts(console: Console, found: Timed) -> None:
 
 
 def _show_table(console: Console, found: Sequence[Timed]) -> None:
-    both = [(each.time.total, each.optimum) for each in found if each.time is not None and each.optimum is not None]
+    planned = [(each.time, each.optimum) for each in found if each.time is not None and each.optimum is not None]
+    both = [(time.total, optimum) for time, optimum in planned]
     headings = ["program", "control", "model", "time", "range", "cutting", "rapid"]
     headings += ["optimum", "saving"] if both else []
     table = new_table(headings, left=("program", "control", "model"))
@@ -161,8 +163,9 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
         table.add_section()
         table.add_row("all with an optimum", "", "", format_time(total), "", "", "", *_optimum(total, optimum))
     console.print(table)
-    if any(optimum > total for total, optimum in both):
-        console.print(f"saving below zero: {FASTER}", soft_wrap=True)
+    reasons = {FASTER if time.exceeded else NOT_LEAST for time, optimum in planned if optimum > time.total}
+    for reason in sorted(reasons):
+        console.print(f"saving below zero: {reason}", soft_wrap=True)
 
 
 def _tolerance(found: Timed) -> str:
@@ -185,12 +188,12 @@ def _optimum(total: float, optimum: float | None) -> tuple[str, str]:
     return ("-", "-") if optimum is None else (format_time(optimum), f"{100.0 * (1.0 - optimum / total):.1f} %")
 
 
-def _saving(total: float, optimum: float) -> str:
+def _saving(time: ProgramTime, optimum: float) -> str:
     """How much less the optimum takes."""
-    share = 1.0 - optimum / total
+    share = 1.0 - optimum / time.total
     if share >= 0.0:
         return f"{100.0 * share:.1f} % less"
-    return f"{-100.0 * share:.1f} % more: {FASTER}"
+    return f"{-100.0 * share:.1f} % more: {FASTER if time.exceeded else NOT_LEAST}"
 
 
 def run_fit(programs: list[str], measured: str, request: TimeRequest, write: str | None) -> int:

@@ -57,15 +57,22 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         with uninterrupted():
             temporary = Temporary(target, folder=False)
     except (OSError, ValueError) as error:
-        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+        raise _unwritten(target, error) from None
     try:
         yield temporary.path
         temporary.path.replace(target)
     except OSError as error:
-        raise UsageError(f"{target}: cannot write: {reason(error)}") from None
+        raise _unwritten(target, error) from None
     finally:
         with uninterrupted():
             temporary.remove()
+
+
+def _unwritten(target: Path, error: OSError | ValueError) -> Exception:
+    """What is raised where a file cannot be written: the error as it is where the file is one of a temporary folder, of
+    which whoever made that tells whose place it was to take."""
+    in_folder = isinstance(error, OSError) and _OURS.fullmatch(target.parent.name)
+    return error if in_folder else UsageError(f"{target}: cannot write: {reason(error)}")
 
 
 def file_to_write(path: str | os.PathLike[str]) -> Path:
@@ -300,3 +307,14 @@ def read_binary(
         raise UsageError(f"{source}: {error}; {AGAIN}") from None
     except (ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
         raise UsageError(f"{source}: damaged or not {what}; {AGAIN}") from None
+
+
+def refuse_other_format(stream: BinaryIO, first_line: bytes) -> None:
+    """Read the first line of a binary file, a name and the number of the format. Raises UsageError for another number,
+    ValueError for another name."""
+    line = stream.read(len(first_line))
+    if line == first_line:
+        return
+    if line.startswith(first_line[: first_line.rindex(b" ") + 1]) and line.endswith(b"\n"):
+        raise UsageError("is in a format of another version of toolpace, which this one does not read")
+    raise ValueError

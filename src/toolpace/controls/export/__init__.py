@@ -31,7 +31,7 @@ EXPORT = "export.json"
 """Its name in the folder of an export."""
 TARGETS = {
     "table": ("table", "Table"),
-    "linuxcnc-hal": ("linuxcnc.streamer", "Streamer"),
+    "linuxcnc-hal": ("linuxcnc.streamer_files", "Streamer"),
     "linuxcnc-g93": ("linuxcnc.inverse_time", "InverseTime"),
     "beckhoff-fifo": ("fifo", "Fifo"),
     "program": ("program", "Program"),

@@ -158,14 +158,22 @@ def _rows(operation: str, parts: Sequence[PartTime], before: Sequence[WrittenTim
     if not operation:
         return [True] * len(parts)
     word = operation.lower()
+    turn = sum(each.operation.lower() == word for each in before)
     alike = [k for k, part in enumerate(parts) if part.name.strip().lower() == word]
     if not alike:
         of_tool = [f"t{part.tool.lower()}" == word or (part.tool != "" and part.tool.lower() == word) for part in parts]
-        if any(of_tool):
+        if any(of_tool) and not turn:
             return of_tool
-    turn = sum(each.operation.lower() == word for each in before)
+        if any(of_tool):
+            raise UsageError(
+                f"--fit: '{printable(operation)}' is written twice; a tool has one time, of all that it does"
+            )
     if turn >= len(alike):
-        names = [*dict.fromkeys(part.name or f"T{part.tool}" for part in parts)]
-        hint = did_you_mean(operation, names) if not alike else f"it is there {len(alike)} times"
-        raise UsageError(f"--fit: the program has no operation '{printable(operation[:60])}' left; {printable(hint)}")
+        names = [*dict.fromkeys(part.name or f"T{part.tool}" for part in parts if part.name or part.tool), "total"]
+        name = printable(operation[:60])
+        if alike:
+            raise UsageError(
+                f"--fit: '{name}' is written {turn + 1} times, and the program has {len(alike)} of it; remove a line"
+            )
+        raise UsageError(f"--fit: the program has no operation '{name}'; {printable(did_you_mean(operation, names))}")
     return [k == alike[turn] for k in range(len(parts))]

@@ -24,7 +24,7 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
 from toolpace.controls.timing.figures import ControlFigures, Spread
 from toolpace.controls.timing.program_time import MODELS
-from toolpace.controls.timing.uncertainty import UncertainFigure, uncertain_figures, value_of
+from toolpace.controls.timing.uncertainty import UncertainFigure, bounds_of, uncertain_figures, value_of
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ ONE_SIDED = 0.5
 ROUNDED = 5e-4
 """Least uncertainty that is stated, as a share: figures are written with five digits."""
 WORST = 0.5
-"""Misfit over the duration from which a measurement is none of the program."""
+"""Misfit, or difference of the whole, over the duration from which a measurement is none of the program."""
+BOUND = 1e-9
+"""Share of its logarithm by which a figure stays away from its bounds, for rounding."""
 ITERATIONS = 8
 
 
@@ -146,10 +148,19 @@ class Fitting:
         self.lowest = np.maximum(-self.highest, [each.least / each.deviation for each in parameters])
         if not len(parameters):
             raise UsageError("--fit: no figure of this control is uncertain; state how much under [time.uncertainty]")
+        bounds = [bounds_of(start, each.figure.name) for each in parameters]
+        values = [value_of(start, machine, each.figure) for each in parameters]
+        with np.errstate(divide="ignore"):
+            least, most = np.log(np.array(bounds) / np.array(values)[:, None]).T / self.deviations
+        # rounding of the logarithm lets no figure out of its bounds
+        self.least, self.most = least * (1.0 - BOUND), most * (1.0 - BOUND)
+        """(figures,) deviations between which figures are within the bounds of a controller's file."""
+        self.lowest, self.highest = np.maximum(self.lowest, self.least), np.minimum(self.highest, self.most)
 
     def figures(self, x: Floats) -> ControlFigures:
         figures = self.start
-        for each, factor in zip(self.parameters, np.exp(x * self.deviations).tolist()):
+        within = np.clip(x, self.least, self.most)
+        for each, factor in zip(self.parameters, np.exp(within * self.deviations).tolist()):
             if factor != 1.0:
                 figures = each.figure.at(factor, figures, self.machine)
         return figures
@@ -163,9 +174,10 @@ class Fitting:
         """(m, figures) of the times over x [s]."""
         columns = []
         for k, deviation in enumerate(self.deviations):
-            step = np.zeros(len(x))
-            step[k] = STEP / deviation
-            columns.append((self.times(x + step) - self.times(x - step)) / (2.0 * step[k]))
+            higher, lower = x.copy(), x.copy()
+            higher[k] = min(x[k] + STEP / deviation, self.most[k])
+            lower[k] = max(x[k] - STEP / deviation, self.least[k])
+            columns.append((self.times(higher) - self.times(lower)) / (higher[k] - lower[k]))
         return np.column_stack(columns)
 
     def result(self, first: str = "") -> Fit:
@@ -244,21 +256,28 @@ class Fitting:
             x[k] = value
             return float(self.times(x)[0] - self.measured.times[0])
 
-        ends = np.array([-1.0, 1.0]) * math.log(ALONE) / self.deviations[k]
-        reached = [off(end) for end in ends]
-        if effects[k] == 0.0 or reached[0] * reached[1] > 0.0:
-            least, most = sorted(each + float(self.measured.times[0]) for each in reached)
+        farthest = math.log(ALONE) / self.deviations[k]
+        ends = np.clip([-farthest, farthest], self.least[k], self.most[k])
+        # time may rise and fall again with a figure: of several values that fit, the nearest to what was before
+        tried = np.unique(np.clip([0.0, *(np.log(TRIED) / self.deviations[k])], ends[0], ends[1]))
+        reached = [off(value) for value in tried.tolist()]
+        between = [i for i in range(len(tried) - 1) if reached[i] * reached[i + 1] <= 0.0]
+        if effects[k] == 0.0 or not between:
+            least, most = (end(reached) + float(self.measured.times[0]) for end in (min, max))
             raise UsageError(
                 f"--fit: no {self.parameters[k].figure} makes the model take {format_time(self.measured.times[0])}: it "
                 f"takes {format_time(least)} to {format_time(most)}; is it the time of this program, without waiting "
                 "for people? Does the set-up sheet tell what tool changes take?"
             )
-        x[k] = float(brentq(off, float(ends[0]), float(ends[1]), xtol=1e-4))
+        i = min(between, key=lambda i: max(abs(float(tried[i])), abs(float(tried[i + 1]))))
+        x[k] = float(brentq(off, float(tried[i]), float(tried[i + 1]), xtol=1e-4))
         slopes = self.slopes(x)[0]
         others = float(np.sum(slopes**2) - slopes[k] ** 2)
-        deviation = math.sqrt(others + float(self.measured.deviation[0]) ** 2) / abs(slopes[k])
-        half = NORMAL * deviation
-        return self._fit(x, {k: (float(x[k]) - half, float(x[k]) + half)})
+        deviation = math.sqrt(others + float(self.measured.deviation[0]) ** 2)
+        # where the time is counted in cycles it may not change with the figure: then all that was tried is possible
+        half = NORMAL * deviation / abs(float(slopes[k])) if slopes[k] else math.inf
+        low, high = np.clip([x[k] - half, x[k] + half], ends[0], ends[1]).tolist()
+        return self._fit(x, {k: (low, high)})
 
     def _begin(self, first: str) -> Floats:
         x = np.zeros(len(self.parameters))
@@ -294,9 +313,10 @@ class Fitting:
         rough = len(times) - self.measured.exact
         off, whole = (times - self.measured.times)[:rough], self.measured.whole
         misfit = float(np.sqrt(np.mean(np.cumsum(off) ** 2)))
-        if not misfit <= WORST * whole:
+        worst = max(misfit, abs(float(off.sum())))
+        if not worst <= WORST * whole:
             raise UsageError(
-                f"measured are {whole:.4g} s, and the model is {misfit:.4g} s off on the way: that is not measured of "
+                f"measured are {whole:.4g} s, and the model is {worst:.4g} s off on the way: that is not measured of "
                 "this program on this machine, or columns are exchanged"
             )
         figures, fitted = self.figures(x), []
@@ -305,10 +325,11 @@ class Fitting:
             each = self.parameters[k].figure
             value = value_of(figures, self.machine, each)
             down, up = (max(abs(end - x[k]) * self.deviations[k], ROUNDED) for end in (low, high))
-            ends = [value * math.exp(-down), max(value * math.exp(up), self._upper_end(x, k))]
+            least, most = bounds_of(figures, each.name)
+            ends = [max(value * math.exp(-down), least), min(max(value * math.exp(up), self._upper_end(x, k)), most)]
             fitted.append(FittedFigure(str(each), value, ends[0], ends[1], each.unit(self.machine)))
             factors = [value / ends[0], ends[1] / value]
-            even = abs(math.log(factors[1] / factors[0])) < ROUNDED
+            even = abs(math.log(factors[1] / factors[0])) < ROUNDED and least < value / max(factors)
             _state(uncertainty, each, _rounded(max(factors)) if even else [_rounded(end) for end in ends])
         figures = msgspec.structs.replace(figures, uncertainty=uncertainty)
         return Fit(figures, tuple(fitted), whole, whole + float(off.sum()), misfit)

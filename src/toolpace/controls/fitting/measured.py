@@ -27,7 +27,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.controls.timing.axis_motion import axis_ways
+from toolpace.controls.timing.axis_motion import axis_ways, joint_places
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:
@@ -37,9 +37,11 @@ TOTAL = ("", "total", "all", "program", "sum")
 """Names of the whole program."""
 LONGEST = 1e7
 """[s]: a longer time is a slip."""
+LONGEST_LINE = 1000
+"""Characters of a line with a time: looking for a time takes as long as their square."""
 HOUR, MINUTE = 3600.0, 60.0
 _FIGURE = r"\d+(?:[.,]\d+)?"
-_CLOCK = re.compile(r"(?:(?P<h>\d+):)?(?P<min>\d+):(?P<s>\d\d(?:[.,]\d+)?)")
+_CLOCK = re.compile(r"(?:(?P<h>\d+):)?(?P<min>\d+):(?P<s>[0-5]\d(?:[.,]\d+)?)")
 _UNITS = re.compile(
     rf"(?:(?P<h>{_FIGURE})\s*h(?:ours?)?)?\s*(?:(?P<min>{_FIGURE})\s*m(?:in(?:utes?)?)?\.?)?"
     rf"\s*(?:(?P<s>{_FIGURE})\s*s(?:ec(?:onds?)?)?\.?)?",
@@ -53,6 +55,8 @@ _TIME_AT_END = re.compile(
 TIMES = ("t", "time")
 """Headings of the column of times in a log."""
 LEAST_ROWS = 20
+FARTHEST = 1e9
+"""Most of a position [mm, deg]."""
 STEADY = 0.2
 """Most share by which times between rows may differ from their median."""
 STILL = 1e-9
@@ -66,6 +70,10 @@ KEPT_UP = 3
 LARGEST = 1.5
 """Standard deviations of noise that the largest of many accelerations, each the least of KEPT_UP rows, is too high by:
 with twice as many the fits of 100 logs held fewer of the real figures."""
+LEAST_WAY, MOST_WAY = 0.6, 1.6
+"""Ways of a log over that of its program: roundings make them shorter, noise longer."""
+ELSEWHERE, LEAST_OFF = 0.2, 2e-3
+"""Share of an axis' way, and length [m, rad], by which a log may end elsewhere: tools may differ from the sheet's."""
 NOISE = 0.01
 """Most of an acceleration that may be noise."""
 TOP, RAMP, FLAT = 0.96, 0.3, 0.3
@@ -109,7 +117,8 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
     try:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
-        raise UsageError(f"--fit {path}: cannot be read ({reason(error)}); check the path") from None
+        cure = "check the path, or give one time, such as 3:12 or 83 s"
+        raise UsageError(f"--fit {path}: cannot be read ({reason(error)}); {cure}") from None
     except UnicodeDecodeError:
         raise UsageError(f"--fit {path}: no text (UTF-8); save it as text or CSV") from None
     found: list[WrittenTime] = []
@@ -117,7 +126,7 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
         words = line.partition("#")[0].strip()
         if not words or (not found and not any(map(str.isdigit, words))):
             continue  # of a heading, too
-        at_end = _TIME_AT_END.search(words)
+        at_end = _TIME_AT_END.search(words) if len(words) <= LONGEST_LINE else None
         time = None if at_end is None else written_time(at_end["time"])
         if at_end is None or time is None:
             raise UsageError(
@@ -125,7 +134,10 @@ def load_written_times(path: str | Path) -> list[WrittenTime]:
                 "such as: Pocket, 1:23 (or 83 s, 2 min 5 s). A log of the axes begins with a line that names its "
                 "columns: t and the joints"
             )
-        name = words[: at_end.start()].strip().rstrip(",;:\t ").strip().strip("\"'").strip()
+        before = words[: at_end.start()]
+        if before.endswith("-"):
+            raise UsageError(f"--fit {path}:{number}: '{printable(words[:60])}' is below zero; write it without -")
+        name = before.rstrip(",;:=- \t").strip().strip("\"'").strip()
         found.append(WrittenTime("" if name.lower() in TOTAL else name, time.seconds, time.resolution))
     if not found:
         raise UsageError(f"--fit {path}: there is no time in it; write an operation and its time: Pocket, 1:23")
@@ -173,13 +185,16 @@ def load_log(path: str | Path, machine: Machine) -> MotionLog:
 
 
 def is_log(path: str | Path, machine: Machine) -> bool:
-    """Whether the first line of a file names joints of the machine, or a column `t`: else it is no log."""
+    """Whether the first line of a file names joints of the machine, or a column `t`, and is no time of an operation."""
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as stream:
-            names = {name.strip() for name in stream.readline(10_000).split(",")}
+            line = stream.readline(10_000)
     except (OSError, UnicodeDecodeError):
         return False
-    return len(names) > 1 and not names.isdisjoint((TIMES[0], *machine.joints))
+    names = [name.strip() for name in line.split(",")]
+    if len(names) < 2 or written_time(names[-1]) is not None:
+        return False
+    return not {TIMES[0], *machine.joints}.isdisjoint(names)
 
 
 def _columns(header: Sequence[str], machine: Machine, source: str) -> tuple[dict[str, int], int]:
@@ -199,8 +214,9 @@ def _row(row: Sequence[str], wanted: Sequence[int], number: int, source: str) ->
         values = [float(row[column]) for column in wanted]
     except (ValueError, IndexError):
         values = [math.nan]
-    if not all(map(math.isfinite, values)):
-        raise UsageError(f"log {source}:{number}: a figure is missing or not finite; remove the line, or log anew")
+    if not all(map(math.isfinite, values)) or max(map(abs, values[1:])) > FARTHEST:
+        wrong = f"a figure is missing, not finite or beyond {FARTHEST:g}"
+        raise UsageError(f"log {source}:{number}: {wrong}; remove the line, or log anew")
     return values
 
 
@@ -288,8 +304,25 @@ def _is_flat(ramps: Bools, top: Bools) -> bool:
     return bool(at_top[longest] >= FLAT * (end - begin)[longest])
 
 
+def _compare_course(moves: Commanded, machine: Machine, log: MotionLog, share: float) -> None:
+    """Refuse a log whose axes go by far more or less than the program, by their share of its way, or end elsewhere."""
+    cure = "log the whole program from its first place on, each axis in its own column, in mm and degrees"
+    if not LEAST_WAY <= share <= MOST_WAY:
+        raise UsageError(f"log: its axes go {share:.3g} times as far as the program; {cure}")
+    first, last = joint_places(moves, machine, [0, len(moves) - 1])
+    off = np.abs((log.q[-1] - log.q[0]) - (last - first))
+    for axis in np.flatnonzero(off > ELSEWHERE * np.nansum(np.abs(np.diff(log.q, axis=0)), axis=0) + LEAST_OFF):
+        unit, scale = ("degrees", DEGREE) if machine.is_rotary[axis] else ("mm", MILLIMETRE)
+        raise UsageError(
+            f"log: {machine.joints[axis]} ends {off[axis] / scale:.4g} {unit} from where it ends in the program; {cure}"
+        )
+
+
 def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, Floats]:
-    """Moves whose ends the log passes, and when it does [s], both told by how far the joints have gone by then."""
+    """Moves whose ends the log passes, and when it does [s], both told by how far the joints have gone by then.
+
+    Raises UsageError where the log is not of the whole program.
+    """
     ways = axis_ways(moves, machine, joints=True)
     scale = np.where(machine.is_rotary, 0.1, 1.0)  # a radian counts like 0.1 m
     logged = np.isfinite(log.q[0])
@@ -298,6 +331,7 @@ def progress(moves: Commanded, machine: Machine, log: MotionLog) -> tuple[Ints, 
     columns = [without_noise(column, CERTAIN * noise_of(column)) for column in log.q[:, logged].T]
     steps = np.linalg.norm(np.diff(np.column_stack(columns) * scale[logged], axis=0), axis=1)
     gone = np.concatenate([[0.0], np.cumsum(steps)])
+    _compare_course(moves, machine, log, float(gone[-1] / programmed[-1]) if programmed[-1] > 0.0 else math.inf)
     gone *= programmed[-1] / gone[-1]
     first = np.concatenate([[True], np.diff(gone) > 0.0])
     ends = np.flatnonzero(np.diff(programmed, append=np.inf) > 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -96,6 +97,16 @@ def _places(moves: Commanded, rows: slice, share: Floats) -> Floats:
         turned = np.cos(angle)[..., None] * spoke[:, None] + np.sin(angle)[..., None] * across[:, None]
         places[arcs, :, :3] = moves.centre[rows][arcs][:, None] + turned + share[:, None] * rise[:, None]
     return places
+
+
+def joint_places(moves: Commanded, machine: Machine, rows: Sequence[int]) -> Floats:
+    """(rows, joints) places of the joints at the ends of moves."""
+    axes = _columns(machine, moves.words[rows][:, None, :])[:, 0]
+    in_tip = np.asarray(rows)[moves.tip_mode[rows]]
+    if len(in_tip):
+        tip, rotary = (np.ascontiguousarray(moves.words[in_tip, part]) for part in (slice(3), slice(3, None)))
+        axes[moves.tip_mode[rows]] = machine.joints_at(tip, rotary, moves.tool_length[in_tip])
+    return axes
 
 
 def _columns(machine: Machine, places: Floats) -> Floats:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 SLACK = 1e-6
 """Share of a limit by which it may seem exceeded."""
 CYCLE = 1e-3
-"""SERVO_PERIOD of LinuxCNC [s], and about what others take, too."""
+"""Of a control whose figures have none [s]: about what others take."""
 
 
 @dataclass(frozen=True)
@@ -111,11 +111,14 @@ def _in_ramps(
 ) -> list[ExceededLimit]:
     own, ways = machine.limits, profile.ways or ways
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = ways.length / profile.times
-    slower = mean < np.where(moves.length > 0.0, moves.speed, moves.turn) * (1.0 - SLACK)
+        least = ways.length / np.where(moves.length > 0.0, moves.speed, moves.turn)
+    # a block that a feed by time, or reading it, keeps steady has no ramp; LinuxCNC's times are counted in cycles
+    counted, read = (figures.linuxcnc.cycle, 0.0) if figures.model == "linuxcnc" else (0.0, figures.block_time)
+    least = np.maximum(np.maximum(least, moves.time), np.where(moves.rapid, 0.0, read))
+    slower = profile.times > least * (1.0 + SLACK) + counted
     ramps = (slower & (ways.length > 0.0))[:, None] * ways.most
     acceleration = np.minimum(profile.acceleration, MOST_ACCELERATION)[:, None] * ramps
-    cycle = figures.sinumerik.cycle if figures.model == "sinumerik" else CYCLE
+    cycle = {"sinumerik": figures.sinumerik.cycle, "linuxcnc": figures.linuxcnc.cycle}.get(figures.model, CYCLE)
     with np.errstate(invalid="ignore"):
         kept = np.where(ramps > 0.0, profile.jerk[:, None] * ramps, 0.0)
     jerk = np.minimum(kept, acceleration / cycle)

@@ -6,6 +6,7 @@ manual tells is marked (assumption). Feeds are in mm/min, times in seconds, leng
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -13,7 +14,7 @@ import msgspec
 import numpy as np
 
 from toolpace.common.arrays import Floats
-from toolpace.common.errors import UsageError, in_short
+from toolpace.common.errors import UnitWarning, UsageError, in_short
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine.limits import Limits
 
@@ -200,6 +201,13 @@ def _scaled(machine: Machine, own: Floats, share_or_figures: float | dict[str, f
         column = machine.joints.index(axis)
         limits[column] = figure * (DEGREE if machine.is_rotary[column] else MILLIMETRE)
     return limits
+
+
+def within_limits(machine: Machine, limits: Limits) -> Machine:
+    """The machine with limits that are computed: nobody is asked whether they are in another unit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitWarning)
+        return machine.with_limits(limits)
 
 
 def off_the_path(moves: Commanded, machine: Machine, figures: ControlFigures) -> Floats:

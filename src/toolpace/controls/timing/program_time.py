@@ -15,7 +15,7 @@ from toolpace.controls.timing.axis_motion import axis_ways
 from toolpace.controls.timing.blocks import MotionProfile, lookahead_profile, rests, room_of
 from toolpace.controls.timing.exceeded import ExceededLimit, exceeded_limits
 from toolpace.controls.timing.fanuc import fanuc_profile
-from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of
+from toolpace.controls.timing.figures import ControlFigures, figures_of, limits_of, within_limits
 from toolpace.controls.timing.heidenhain import heidenhain_profile
 from toolpace.controls.timing.linuxcnc import FAR, LinuxCNC, linuxcnc_times
 from toolpace.controls.timing.sinumerik import sinumerik_profile
@@ -52,7 +52,7 @@ def _linuxcnc_profile(moves: Commanded, machine: Machine, figures: ControlFigure
     settings = LinuxCNC(
         own.cycle, own.path_velocity or FAR, planner=planner, path_jerk=own.path_jerk, peak_scale=scale
     )
-    times = linuxcnc_times(rounded, machine.with_limits(limits), settings)
+    times = linuxcnc_times(rounded, within_limits(machine, limits), settings)
     ways = axis_ways(moves, machine, joints=False)
     jerk = ways.along(limits.jerk) if planner else np.full(len(times), np.inf)
     return MotionProfile(times, np.full(len(times), np.nan), ways.along(limits.acceleration), jerk)
@@ -136,11 +136,13 @@ def with_range(time: ProgramTime, moves: Commanded, machine: Machine, figures: C
 
 def of_operations(best: Sequence[OperationTime], moves: Commanded, tool_change: float) -> ProgramTime:
     """The time of a motion whose operations are known, as that of a control."""
-    changed = {(each.name, each.tool): count for each, count in zip(moves.operations, changes(moves.operations))}
+    changed: dict[tuple[str, str], list[int]] = {}
+    for each, count in reversed(list(zip(moves.operations, changes(moves.operations)))):
+        changed.setdefault((each.name, each.tool), []).append(count)
     parts = [
         PartTime(
             each.name, each.tool, each.cutting, each.rapid, each.dwell,
-            tool_change * changed.get((each.name, each.tool), 0), each.stops,
+            tool_change * (left.pop() if (left := changed.get((each.name, each.tool))) else 0), each.stops,
         )
         for each in best
     ]  # fmt: skip

@@ -10,6 +10,7 @@ falls evenly with each figure. Nothing is taken for independent. The rules of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -29,6 +30,8 @@ LIMITS = ("acceleration", "jerk")
 """Figures that differ by axis."""
 LEAST_TOLERANCE = 1e-4
 """[mm]"""
+SAME = 1e-9
+"""Share by which times of one motion may differ by rounding: a figure that changes a time by less does not matter."""
 USUAL: dict[str, dict[str, Spread]] = {
     # its INI file says the limits, and the planner keeps them
     "linuxcnc": {"acceleration": 1.05, "jerk": 1.05, "tolerance": 1.2},
@@ -128,6 +131,7 @@ def time_range(
     def effect(figure: UncertainFigure) -> tuple[FigureEffect, Ends]:
         """And its ends, that first with which the control is faster."""
         times = [total(figure.at(end, figures, machine)) for end in figure.factors]
+        times = [middle if math.isclose(each, middle, rel_tol=SAME) else each for each in times]
         ends = figure.factors if times[0] <= times[1] else figure.factors[::-1]
         return FigureEffect(str(figure), min(middle, *times), max(middle, *times)), ends
 
@@ -251,6 +255,18 @@ def value_of(figures: ControlFigures, machine: Machine, figure: UncertainFigure)
     value = figure_of(figures, figure.name)
     assert not isinstance(value, dict)
     return value
+
+
+def bounds_of(figures: ControlFigures, name: str) -> Ends:
+    """The least and the most that a figure may be, in the units of the controller's file."""
+    table, _, own = name.rpartition(".")
+    fields = msgspec.inspect.type_info(type(getattr(figures, table) if table else figures))
+    assert isinstance(fields, msgspec.inspect.StructType)
+    (kind,) = (each.type for each in fields.fields if each.name == own)
+    kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
+    (number,) = (each for each in kinds if isinstance(each, msgspec.inspect.FloatType | msgspec.inspect.IntType))
+    least = number.gt if number.ge is None else number.ge
+    return (0.0 if least is None else float(least), math.inf if number.le is None else float(number.le))
 
 
 def with_figure(figures: ControlFigures, name: str, value: float | dict[str, float]) -> ControlFigures:

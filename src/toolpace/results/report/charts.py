@@ -72,20 +72,24 @@ def _at_both_ends(step: Floats) -> Floats:
     return speed
 
 
-def feed_cap(setpoints: SetPoints, toolpath: ToolPath) -> Floats:
-    """(n,) the feed that the program asks for in the block of each set-point [m/s]; inf where it asks for
-    none."""
-    way = toolpath.way_length
-    timed = (toolpath.least_time > 0.0) & (way > 0.0)
-    cap = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, toolpath.least_time, 1.0)), toolpath.feed)
-    blocks, where = np.unique(toolpath.block[1:], return_inverse=True)
-    if not len(blocks):
-        return np.full(len(setpoints), np.inf)
-    most = np.zeros(len(blocks))
-    np.maximum.at(most, where, cap[1:])
-    at = np.clip(np.searchsorted(blocks, setpoints.block), 0, len(blocks) - 1)
-    found: Floats = np.where(blocks[at] == setpoints.block, most[at], np.inf)
-    return found
+class FeedCaps:
+    """The feed that a program asks for in each of its blocks: the largest, where one has several ways."""
+
+    def __init__(self, toolpath: ToolPath) -> None:
+        way = toolpath.way_length
+        timed = (toolpath.least_time > 0.0) & (way > 0.0)
+        cap = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, toolpath.least_time, 1.0)), toolpath.feed)
+        self.blocks, where = np.unique(toolpath.block[1:], return_inverse=True)
+        self.most = np.zeros(len(self.blocks))
+        np.maximum.at(self.most, where, cap[1:])
+
+    def at(self, block: Ints) -> Floats:
+        """(n,) that of blocks (n,) [m/s]; inf where the program asks for none."""
+        if not len(self.blocks):
+            return np.full(len(block), np.inf)
+        at = np.clip(np.searchsorted(self.blocks, block), 0, len(self.blocks) - 1)
+        found: Floats = np.where(self.blocks[at] == block, self.most[at], np.inf)
+        return found
 
 
 def _named_curves(has_tool: bool, limits: Limits, units: list[str], toolpath: ToolPath | None) -> list[Channel]:
@@ -167,7 +171,8 @@ class Curves:
 
     def __init__(self, source: SetPointSource, limits: Limits, units: list[str], toolpath: ToolPath | None) -> None:
         """Take where they are from, and the limits and units ("m", "rad" or "") of the joints."""
-        self.count, self.toolpath, self.limits = len(source), toolpath, limits
+        self.count, self.limits = len(source), limits
+        self.caps = FeedCaps(toolpath) if toolpath is not None else None
         self.channels = _named_curves(source.has_tool, limits, units, toolpath)
         self.edges = stretches(self.count)
         shape = len(self.channels), len(self.edges) - 1
@@ -221,8 +226,8 @@ class Curves:
             if channel.name == SPEED:
                 row[:] = speed[begin : begin + len(points)] * 60e3
             elif channel.panel == "feed":
-                assert self.toolpath is not None
-                row[:] = feed_cap(points, self.toolpath) * 60e3
+                assert self.caps is not None
+                row[:] = self.caps.at(points.block) * 60e3
             else:
                 column = block.columns(COLUMNS[channel.panel], block.begin, block.end)[channel.joint]
                 np.divide(column, float(getattr(self.limits, channel.panel)[channel.joint]), out=row)

@@ -22,7 +22,6 @@ from toolpace.results.report.charts import (
     blocks_over_time,
     deviations,
     encoded,
-    feed_cap,
     limit_names,
     packed,
     scene_data,
@@ -93,14 +92,13 @@ def report_page(
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
     }
-    data = _data(trajectory, setpoints, toolpath, curves, palette, figures)
+    data = _data(trajectory, setpoints, curves, palette, figures)
     return whole_page("toolpace.results.report", "page", title, fields, data)
 
 
 def _data(
     trajectory: Trajectory,
     setpoints: SetPointSource,
-    toolpath: ToolPath | None,
     curves: Curves,
     palette: Mapping[str, str],
     figures: PlanFigures | None,
@@ -126,7 +124,7 @@ def _data(
     if setpoints.has_tool:
         at = stations(curves.tip_steps)
         points = setpoints.at(at)
-        cap = feed_cap(points, toolpath) if toolpath is not None else None
+        cap = curves.caps.at(points.block) if curves.caps is not None else None
         times = np.asarray(np.minimum(points.t, trajectory.duration), dtype=np.float64)
         speed = curves.speed_at(at, setpoints.t) * 60e3
         data["scene"] = scene_data(points, speed, binding(trajectory, times), cap)
