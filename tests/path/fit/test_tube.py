@@ -295,6 +295,14 @@ def test_a_curve_that_came_to_no_end_outside_the_tube_is_not_taken(monkeypatch):
     assert kept and all(kept)
 
 
+def test_rotary_words_are_passed_over_without_a_machine():
+    """Points are put in where the axis turns; joints of a machine that is not there have none."""
+    toolpath = toolpath_through(np.linspace((0.0, 0.0, 0.0), (0.02, 0.0, 0.0), 2), tilted(np.array([0.0, 0.7]), 0.3))
+    turning = replace(toolpath, rotary=np.array([[0.0, 0.3], [0.7, 0.3]]), rotary_joints=("A", "C"))
+    path, same = (Path.fit(each, TIP, AXIS) for each in (turning, toolpath))
+    assert path.axis_deviation == same.axis_deviation <= AXIS
+
+
 def test_smoothing_gives_up_on_nan():
     from toolpace.kernels.fit import smoothing_spline as kernel
     from toolpace.kernels.fit.quintic_spline import basis_rows, third_rows

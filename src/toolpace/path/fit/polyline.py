@@ -199,6 +199,8 @@ def refined(toolpath: ToolPath, axis_tolerance: float, machine: Machine | None) 
     entry = np.arange(len(toolpath))
     if machine is not None and toolpath.rotary is not None:
         return with_rotary(toolpath, machine, machine.choose_rotary(toolpath)), entry
+    if toolpath.rotary is not None:
+        toolpath = replace(toolpath, rotary=None, rotary_joints=())  # joints of no machine
     chord = np.linalg.norm(np.diff(toolpath.axis, axis=0), axis=1)
     if np.any(chord > 1.999):
         i = int(np.argmax(chord)) + 1
