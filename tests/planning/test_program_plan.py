@@ -50,7 +50,7 @@ def test_limits_and_tolerances_hold_as_they_did(plans, blade, machine):
 
 
 def retract(tilt: float) -> str:
-    """A cut on which C turns by 120 degrees as the axis comes to `tilt` [deg] from the pole, and a rapid upwards."""
+    """A cut on which C turns by 90 degrees as the tool axis comes to `tilt` [deg] from the pole, and a rapid upwards."""
     cut = [(k / 40, 1.0 - k / 40) for k in range(41)]
     lines = [
         f"X{-20.0 * left:.3f} Y{5.0 * math.sin(3.0 * u):.3f} Z{100.0 + 2.0 * u**2:.3f}"

@@ -64,8 +64,6 @@ class Path:
         progress: Callable[[float], None] | None = None,
         speed_weights: Sequence[SpeedWeights] | None = None,
         hastes: Sequence[SpeedWeights] | None = None,
-        *,
-        hold_turn: bool = True,
     ) -> Path:
         """The smoothest curve within the tolerances [m], [rad] of a tool path, stopping where it stops.
 
@@ -73,9 +71,7 @@ class Path:
 
         With a machine the curve is one of tip and rotary joints, else of tip and tool axis. `progress` is told the
         share done. `speed_weights`, one a run, say where a motion is fast: there the curve is smoother, and less so
-        where it is slow; see `plan_program`, which finds them. Without them the rotary joints, or the tool axis, are
-        held where the tool path holds them, unless `hold_turn` is False. PathError where nothing moves or no curve
-        fits.
+        where it is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
         from toolpace.path.fit.tolerance_tube import fit_runs
@@ -91,9 +87,7 @@ class Path:
             check_machine(machine, "fit", "a Machine, or None")
         check_toolpath(toolpath, "fit")
         begin = time.perf_counter()
-        runs, tip, axis, wait = fit_runs(
-            toolpath, tip_tolerance, axis_tolerance, machine, progress, speed_weights, hold_turn
-        )
+        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, speed_weights)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)
 
     @classmethod

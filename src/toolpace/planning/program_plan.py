@@ -179,8 +179,7 @@ def made_rounds(
     fits in and one within the widest, and a quick change of what these found."""
     widest = float(allowed.axis_along(rounds.toolpath).max())
     # where nothing turns, all of them give the same path
-    turning = turns(rounds.toolpath)
-    rungs = axis_tolerances(widest) if turning else [widest]
+    rungs = axis_tolerances(widest) if turns(rounds.toolpath) else [widest]
     narrow: Fastest | None = None
     within: list[float] = []
     for axis in rungs:
@@ -190,10 +189,7 @@ def made_rounds(
             continue
         narrow = rounds.best
         rounds.within(allowed.within(axis), axis)
-        if last and turning:
-            rounds.begin(last=last, hold_turn=True)
-        if not (last and turning and rounds.leave_no_room()):
-            rounds.begin(last=last, hold_turn=False)
+        rounds.begin(last=last)
         if rounds.leave_no_room():
             continue
         for measure in (BROAD,) if quick else measures:

@@ -64,7 +64,6 @@ def fit_runs(
     machine: Machine | None,
     progress: Callable[[float], None] | None,
     speed_weights: Sequence[SpeedWeights] | None = None,
-    hold_turn: bool = True,
 ) -> tuple[tuple[SplineRun, ...], float, float, float]:
     """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
     from toolpace.kernels.ahead_of_time import ensure_warm
@@ -80,7 +79,7 @@ def fit_runs(
         line = lines[k]
         try:
             speed_weight = speed_weights[k] if speed_weights is not None else None
-            return fit_run(line, toolpath, tolerances, machines[k], workers, share, speed_weight, hold_turn)
+            return fit_run(line, toolpath, tolerances, machines[k], workers, share, speed_weight)
         except PathError as error:
             place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
             raise PathError(f"{place}: {error}; widen the tolerance") from None
@@ -99,7 +98,6 @@ def fit_run(
     workers: Workers,
     progress: Progress,
     speed_weight: SpeedWeights | None = None,
-    hold_turn: bool = True,
 ) -> FittedRun:
     """One run, on the machine with the tool that is in the spindle. Raises PathError where no curve fits."""
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
@@ -109,7 +107,7 @@ def fit_run(
     if is_straight(line):
         speed_weight = None
     # without a pace nothing tells what a turn costs on a way that is passed fast: it stays where the program turns
-    line = replace(line, holding=hold_turn and speed_weight is None)
+    line = replace(line, holding=speed_weight is None)
     first, samples = inside_spline(line, first_breaks(line), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
@@ -151,7 +149,7 @@ def fit_run(
             spline = spline.over(breaks)
         data = sample(line, breaks, axis_tolerance, machine, s, data)
     if speed_weight is not None:
-        return fit_run(line, toolpath, tolerances, machine, workers, progress, None, hold_turn)
+        return fit_run(line, toolpath, tolerances, machine, workers, progress)
     found = deviations(check, first, samples)
     if len(found.bad):
         raise PathError("the curve cannot be kept inside the tolerance")

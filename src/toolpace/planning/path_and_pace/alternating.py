@@ -127,24 +127,22 @@ class AlternatingOptimisation:
         self.elsewhere, self.motion = None if self.best is None else self.best.motion, None
         self.levels.append([])
 
-    def begin(self, *, last: bool, hold_turn: bool) -> None:
-        """The path that knows no pace. With `hold_turn` it is that of "low", and a candidate only: of a motion that is
-        fast where joints are held the next path holds them too, and within a wide tolerance that is the slower one.
+    def begin(self, *, last: bool) -> None:
+        """The path that knows no pace.
 
         One that cannot be had is passed over. Raises PathError where it is the last, and there was none before.
         """
         try:
-            path, self.motion = self._round(None, hold_turn)
+            path, self.motion = self._round(None)
         except PathError:
-            if last and not hold_turn and not (self.unknown or any(self.levels)):
+            if last and not (self.unknown or any(self.levels)):
                 raise
             return
         # the smoothest path within all of the tolerance is the one of "low", and the one whose problem is told
-        if not self.levels[-1]:
-            self.first = path
+        self.first = path
         if self.motion is None:
             self.unknown.append(self._candidate(0.0, path))
-        self._note(path, self.motion, 0.0, begins=not hold_turn)
+        self._note(path, self.motion, 0.0)
 
     def leave_no_room(self) -> bool:
         """Whether feeds and dwells take nearly all of the time of the first motion."""
@@ -189,12 +187,9 @@ class AlternatingOptimisation:
             latest = self._speed_weights(motion, measure)
             speed_weights = [now.mean_with(before) for now, before in zip(latest, speed_weights)]
 
-    def _note(
-        self, path: Path, motion: Trajectory | None, power: float, fitted: PlaceTolerances | None = None,
-        begins: bool = True,
-    ) -> None:  # fmt: skip
+    def _note(self, path: Path, motion: Trajectory | None, power: float, fitted: PlaceTolerances | None = None) -> None:
         """Put a round down, and keep its path where it is among the fastest; `fitted`: in which tolerances it counts,
-        where these are not those at hand; `begins`: whether others may follow from it."""
+        where these are not those at hand."""
         if motion is None:
             return
         kept = motion.duration < min((each.duration for each in self.done), default=np.inf)
@@ -207,7 +202,7 @@ class AlternatingOptimisation:
             self.levels[-1].append(candidate._replace(tolerances=fitted))
             return
         self.levels[-1].append(candidate)
-        if begins and (self.best is None or motion.duration < self.best.motion.duration):
+        if self.best is None or motion.duration < self.best.motion.duration:
             self.best = Fastest(motion, candidate)
 
     def _candidate(self, hoped: float, path: Path) -> Candidate:
@@ -229,16 +224,13 @@ class AlternatingOptimisation:
         smoothed = measure.smoothed * self.ramp
         return [law.speed_weights(smoothed, self.ramp, measure.power) for law in motion.laws]
 
-    def _round(
-        self, speed_weights: Sequence[SpeedWeights] | None, hold_turn: bool = False
-    ) -> tuple[Path, Trajectory | None]:
+    def _round(self, speed_weights: Sequence[SpeedWeights] | None) -> tuple[Path, Trajectory | None]:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
         or none that tells how fast the path is."""
         part = self._part()
         path = Path.fit(
-            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, part.part(0.0, FITTED), speed_weights,
-            hold_turn=hold_turn,
-        )  # fmt: skip
+            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, part.part(0.0, FITTED), speed_weights
+        )
         return path, self._motion(path, part.part(FITTED, 1.0))
 
     def _part(self) -> Progress:
