@@ -49,29 +49,6 @@ def test_limits_and_tolerances_hold_as_they_did(plans, blade, machine):
         tp.verify(plan.trajectory, machine, blade, TIP, AXIS).raise_if_failed()
 
 
-def retract(tilt: float) -> str:
-    """A cut on which C turns by 90 degrees as the tool axis comes to `tilt` [deg] from the pole, and a rapid upwards."""
-    cut = [(k / 40, 1.0 - k / 40) for k in range(41)]
-    lines = [
-        f"X{-20.0 * left:.3f} Y{5.0 * math.sin(3.0 * u):.3f} Z{100.0 + 2.0 * u**2:.3f}"
-        f" A{20.0 * left + tilt * u:.3f} C{30.0 - 120.0 * u**8:.3f}"
-        for u, left in cut
-    ]
-    rest = [f"G1 {line} F2000" for line in lines[1:]]
-    return "\n".join([f"G0 {lines[0]}", *rest, "X0.7 Z102.3", "X1 Z103", "G0 Z200", "M30"])
-
-
-def test_a_retract_at_the_pole_takes_no_longer_than_beside_it(machine):
-    """The freedom of a joint that does not move the axis is no reason to swing it on a rapid."""
-    durations = []
-    for tilt in (0.001, 2.0):
-        toolpath = tp.read_text(retract(tilt), machine)
-        plan = plan_program(toolpath, machine, TIP, AXIS, effort="low", planner=Optimal(bound=False))
-        tp.verify(plan.trajectory, machine, toolpath, TIP, AXIS).raise_if_failed()
-        durations.append(plan.trajectory.duration)
-    assert durations[0] <= 1.02 * durations[1]
-
-
 def test_a_round_is_kept_where_it_is_the_fastest_so_far(plans):
     least = np.inf
     for each in plans["normal"].rounds:

@@ -140,26 +140,6 @@ def test_turn_of_the_table_at_the_pole():
     assert run.s1 > 0
 
 
-@pytest.mark.parametrize("tilt", [1e-5, 0.5])
-def test_without_a_pace_the_turn_is_held_where_the_program_holds_it(tilt):
-    """C turns by 80 degrees on 20 mm, and then the tip goes 80 mm on: near the pole C may swing by 17 degrees within
-    the tolerance of the axis. It stands still from the second sample on, 1 mm from the end of the turn."""
-    x = np.linspace(0.0, 0.1, 51)
-    c = np.clip(x / 0.02, 0.0, 1.0) * np.radians(80.0)
-    toolpath = toolpath_through(
-        np.stack([x, np.zeros(51), np.zeros(51)], axis=1),
-        tilted(np.full(51, tilt), c),
-        rotary=np.stack([c, np.full(51, tilt)], axis=1),
-        joints=("C", "A"),
-    )
-    path = Path.fit(toolpath, TIP, AXIS, machine=MACHINE)
-    assert path.axis_deviation <= AXIS
-    run = path.runs[0]
-    s = np.linspace(run.block_start[10] + 100.0 * TIP, run.s1, 2000)
-    c_held, a_held = run.evaluate(s).rotary[0].T
-    assert np.abs(c_held - c[-1]).max() < 0.05 * AXIS and np.abs(a_held - tilt).max() < 0.05 * AXIS
-
-
 def test_a_straight_line_stays_straight():
     rng = np.random.default_rng(0)
     x = np.sort(np.concatenate([[0, 0.05], rng.uniform(0, 0.05, 300)]))

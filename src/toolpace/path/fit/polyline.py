@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import PathError, ReachError
 from toolpace.machine.machine import Machine
 from toolpace.programs.tolerances import Tolerances
@@ -33,11 +33,6 @@ FADE = 2.0
 """Length from an end of a run over which the ellipsoid grows to its size [tolerances]."""
 LEAST_SIZE = 0.01
 """Size below which its metric is that of this one: at the end itself it would have none."""
-HELD_TURN = 1e-6
-"""Turn between two points below which the program holds the rotary joints [tolerances]."""
-BLEND = 20.0
-"""Way from a turn of the program on which the curve may still turn, where it holds what the program holds [tolerances]:
-the least distance of its first knots."""
 
 
 @dataclass(frozen=True)
@@ -91,21 +86,6 @@ class Polyline:
     """Time to wait at the start [s]; the first run only."""
     half: HalfBall | None = None
     """On which side the tip must be; None: both."""
-    holding: bool = False
-    """Whether the curve shall hold the turn where the program holds it."""
-
-    def held_at(self, s: Floats) -> Bools:
-        """(n,) whether the curve shall hold the turn at parameters (n,): where it is `holding`, and the program turns
-        nothing within BLEND."""
-        turning = np.flatnonzero(np.any(np.abs(np.diff(self.turn, axis=0)) > HELD_TURN, axis=1))
-        if not self.holding or len(turning) == 0:
-            return np.zeros(len(s), dtype=bool)
-        # from the end of the last turning cell that begins before s, and to the start of the next one
-        begun = np.searchsorted(self.s[turning], s, side="right")
-        ends = np.concatenate([[-np.inf], self.s[turning + 1]])
-        starts = np.append(self.s[turning], np.inf)
-        held: Bools = np.minimum(s - ends[begun], starts[begun] - s) > BLEND
-        return held
 
     def room_at(self, s: Floats) -> Floats:
         """(n, 2) tolerance of tip and tool axis at parameters (n,); where two meet, the narrower."""

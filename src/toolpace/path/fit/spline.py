@@ -24,8 +24,6 @@ CLOSE = 0.9
 """Maxima above this share of the tolerance are looked at more closely."""
 CLOSER = 6
 """Into how many parts the stretches on both sides of such a maximum are cut."""
-HELD = 0.01
-"""How far a turn that is held may be from the program's [tolerances]."""
 
 
 def cells_of(knots: Floats, degree: int, at: Floats) -> Ints:
@@ -175,8 +173,6 @@ def sample(
         fresh = previous.s[old] != s
         metric[~fresh] = previous.metric[old[~fresh]]
     metric[fresh] = turn_metric(turn[fresh], axis_tolerance, machine)
-    # the angle itself counts: at the pole it does not move the axis
-    metric[fresh & line.held_at(s)] += np.eye(turn.shape[1]) / HELD**2
     tip, tip_metric = straight(line.s, line.tip, s), None
     if line.half is not None:
         tip, tip_metric = tip + line.half.centre(s), line.half.metric(s)

@@ -106,8 +106,6 @@ def fit_run(
     check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
     if is_straight(line):
         speed_weight = None
-    # without a pace nothing tells what a turn costs on a way that is passed fast: it stays where the program turns
-    line = replace(line, holding=speed_weight is None)
     first, samples = inside_spline(line, first_breaks(line), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
