@@ -75,10 +75,10 @@ def record(folder: Path) -> int:
     ahead_of_time.is_warm = lambda: True  # nothing is compiled beforehand
     toolpace(["demo", "--out", str(folder / "demo")])
     of_demo = compiled_now()
+    compile_order.write_signatures(of_demo)
     run_other_commands(folder)
     further = {name: kinds for name, kinds in compiled_now().items() if name not in of_demo}
-    compile_order.write_signatures(of_demo, called_now())
-    compile_order.write_signatures(further, called_now(), compile_order.FURTHER)
+    compile_order.write_signatures(further, compile_order.FURTHER)
     for name, kernel in KERNELS.items():
         for each in kernel.signatures[1:]:
             print(f"compiled again: {name}{each}")
@@ -93,14 +93,6 @@ def compiled_now() -> dict[str, list[Text]]:
 
     compiled = {name: kernel.signatures[0] for name, kernel in KERNELS.items() if kernel.signatures}
     return {name: [to_text(kind) for kind in signature] for name, signature in compiled.items()}
-
-
-def called_now() -> set[str]:
-    """Names of the kernels that Python has called in this process."""
-    from toolpace.kernels.jit import KERNELS
-
-    results = {name: kernel.overloads.values() for name, kernel in KERNELS.items()}
-    return {name for name, each in results.items() if any(callable(result.entry_point) for result in each)}
 
 
 def run_other_commands(folder: Path) -> None:

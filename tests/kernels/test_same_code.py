@@ -19,24 +19,10 @@ KERNELS = ("optimal.multipliers.set_bounds", "optimal.multipliers.tiled", "optim
 COMPILE = """
 import sys
 from toolpace.kernels import compile_order
-compile_order.import_kernels()
-for name in sys.argv[1:]:
-    compile_order.compile_kernel(name, compile_order.read_signatures()[name], name == "optimal.multipliers.tiled")
-"""
-CALL = """
-import numpy as np
-from toolpace.kernels import compile_order
 from toolpace.kernels.jit import KERNELS
 compile_order.import_kernels()
-for name in ("optimal.multipliers.start", "optimal.multipliers.set_bounds"):
-    compile_order.compile_kernel(name, compile_order.read_signatures()[name], from_python=False)
-kernel = KERNELS["optimal.multipliers.set_bounds"]
-entries = [callable(each.entry_point) for each in kernel.overloads.values()]
-at, (found, expected) = np.arange(1.0, 25.0).reshape(8, 3), np.zeros((2, 12, 3))
-kernel(at, 3, found)
-kernel.py_func(at, 3, expected)
-entries += [callable(each.entry_point) for each in kernel.overloads.values()]
-print(entries, found.any(), np.array_equal(found, expected))
+for name in sys.argv[1:]:
+    KERNELS[name].compile(tuple(compile_order.from_text(each) for each in compile_order.read_signatures()[name]))
 """
 PLAN = """
 import numpy as np
@@ -71,19 +57,6 @@ def test_code_does_not_depend_on_what_was_compiled_before(tmp_path):
     for file, (machine, intermediate) in together.items():
         assert machine == apart[file][0], file
         assert intermediate == apart[file][1], file
-
-
-def test_python_may_call_what_kernels_called_before_and_kernels_find_the_same_code(tmp_path):
-    """Machine code is made when Python calls; from either file a caller takes the same intermediate code."""
-    for _ in ("compiled", "loaded"):
-        assert run(CALL, tmp_path, 1).split("\n")[0] == "[False, True] True True"
-    by_kernel = {(file.rpartition("-")[0], bool(machine)): part for file, (machine, part) in code(tmp_path).items()}
-    assert by_kernel.keys() == {
-        ("optimal.multipliers.set_bounds", True),
-        ("optimal.multipliers.set_bounds", False),
-        ("optimal.multipliers.start", False),
-    }
-    assert by_kernel["optimal.multipliers.set_bounds", True] == by_kernel["optimal.multipliers.set_bounds", False]
 
 
 @pytest.mark.thorough

@@ -120,7 +120,7 @@ def block_check(seen: SeenMotion, toolpath: ToolPath, motion: MotionRow, there: 
     found = np.zeros(len(seen.block), dtype=bool)
     row = motion.row
     begin, low, high = _of_setpoints(there, row)
-    named(begin, low, high, start, block, np.argsort(block, kind="stable"), seen.block, found)
+    named(begin, low, high, start, block, seen.block, found)
     wrong = int(len(found) - found.sum())
     if not wrong:
         return [Check("block column", 0.0, 0.0, "", True, note="every set-point is in its block")]

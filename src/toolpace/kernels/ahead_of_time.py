@@ -26,14 +26,8 @@ from collections.abc import Callable
 
 from numba.core import config
 
-from toolpace.kernels.compile_order import (
-    FURTHER,
-    Work,
-    called_from_python,
-    compile_kernel,
-    import_kernels,
-    read_signatures,
-)
+from toolpace.kernels.compile_order import FURTHER, Work, from_text, import_kernels, read_signatures
+from toolpace.kernels.jit import KERNELS
 from toolpace.kernels.kernel_cache import COMPLETE, Store, store, warn
 from toolpace.kernels.lock import FileLock
 
@@ -175,13 +169,12 @@ def compile_on_order() -> None:
     answers = sys.stdout
     sys.stdout = sys.stderr  # what the compiler may print is no answer
     signatures = {**read_signatures(FURTHER), **read_signatures()}
-    from_python = called_from_python() | called_from_python(FURTHER)
     import_kernels()
     for line in sys.stdin:
         name = line.strip()
         # A signature that is out of date compiles nothing; the caller will compile the right one.
         with contextlib.suppress(Exception):
-            compile_kernel(name, signatures[name], name in from_python)
+            KERNELS[name].compile(tuple(from_text(each) for each in signatures[name]))
         if not store().writable:
             return
         print(name, file=answers, flush=True)

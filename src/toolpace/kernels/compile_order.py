@@ -3,8 +3,6 @@
 The signatures tell what to compile before anything is called, so that many processes can share the work.
 `python tools/first_run.py --record` writes them anew after a kernel's arguments have changed.
 
-What Python calls gets machine code, what kernels alone call does not: the file has an object of each.
-
 A type is `int64`, `float64[2]` for an array of two dimensions in C order, `float64[2, read-only]`, or a list: the class
 of a record, or `tuple`, and the types within.
 """
@@ -26,8 +24,6 @@ from toolpace.kernels.jit import KERNELS, called_by
 FILE = Path(__file__).with_name("signatures.json")
 FURTHER = Path(__file__).with_name("further_signatures.json")
 """Those that other usual commands compile besides: a wheel brings them, a first run does not wait for them."""
-PYTHON, KERNEL = "called from Python", "called from kernels"
-"""Keys of these files."""
 ARRAY = re.compile(r"(\w+)\[(\d+)(?:, layout ([AF]))?(, read-only)?\]")
 
 types: Any = numba.types
@@ -37,36 +33,14 @@ Text = str | list[Any]
 
 def read_signatures(file: Path = FILE) -> dict[str, list[Text]]:
     """Signature of each kernel, by its name."""
-    by_caller = _read(file)
-    return {**by_caller[KERNEL], **by_caller[PYTHON]}
-
-
-def called_from_python(file: Path = FILE) -> set[str]:
-    """Names of the kernels that Python calls."""
-    return set(_read(file)[PYTHON])
-
-
-def _read(file: Path) -> dict[str, dict[str, list[Text]]]:
-    found: dict[str, dict[str, list[Text]]] = json.loads(file.read_text("utf-8"))
+    found: dict[str, list[Text]] = json.loads(file.read_text("utf-8"))
     return found
 
 
-def write_signatures(signatures: dict[str, list[Text]], from_python: set[str], file: Path = FILE) -> None:
-    """Write them, one kernel a line, and which Python calls."""
-    objects = []
-    for caller, names in ((PYTHON, signatures.keys() & from_python), (KERNEL, signatures.keys() - from_python)):
-        rows = [f"{json.dumps(name)}: {json.dumps(signatures[name])}" for name in sorted(names)]
-        objects.append(f'"{caller}": {{\n' + ",\n".join(rows) + "\n}")
-    file.write_text("{\n" + ",\n".join(objects) + "\n}\n", "utf-8")
-
-
-def compile_kernel(name: str, signature: list[Text], from_python: bool) -> None:
-    """Compile a kernel, or load it: with machine code, or for kernels that call it."""
-    kinds = tuple(from_text(each) for each in signature)
-    if from_python:
-        KERNELS[name].compile(kinds)
-    else:
-        KERNELS[name].get_call_template(kinds, {})
+def write_signatures(signatures: dict[str, list[Text]], file: Path = FILE) -> None:
+    """Write them, one kernel a line."""
+    rows = [f"{json.dumps(name)}: {json.dumps(kinds)}" for name, kinds in sorted(signatures.items())]
+    file.write_text("{\n" + ",\n".join(rows) + "\n}\n", "utf-8")
 
 
 def to_text(kind: Any) -> Text:

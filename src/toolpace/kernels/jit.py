@@ -8,9 +8,6 @@ the functions in the order in which a process meets them, and writes flags in th
 process to process; both are part of a symbol's name. So a part could be there once or several times, under other names,
 and the compiler made other code of it: plans differed in their last digits from one cache to the next. While a kernel
 is compiled, a function's number is a hash of what it is, and flags come in alphabetical order.
-
-Two thirds of the kernels are called by other kernels only. They are kept as intermediate code, which their callers'
-machine code is made from (`machine_code.py`); machine code of their own is made when Python calls one.
 """
 
 from __future__ import annotations
@@ -24,11 +21,9 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
-from numba.core import bytecode, compiler, cpu_options
-from numba.core.compiler_lock import global_compiler_lock
+from numba.core import bytecode, cpu_options
 
 from toolpace.kernels.kernel_cache import KernelCache
-from toolpace.kernels.machine_code import machine_code_where_python_calls, set_environments, without_entry
 
 F = TypeVar("F", bound=Callable[..., Any])
 TYPES: Any = numba.types
@@ -38,7 +33,6 @@ KERNELS: dict[str, Any] = {}
 HOME = f"{__package__}."
 Identity: Any = bytecode.FunctionIdentity
 Flags: Any = cpu_options.FastMathOptions
-Settings: Any = compiler.Flags
 PLAIN = (int, float, complex, str, bytes, bool, type(None))
 
 
@@ -61,14 +55,13 @@ def jit(*, reorder: bool = False, inline: bool = False) -> Callable[[F], F]:
             no_cfunc_wrapper=True,  # for calls from C: never called, and costs time to compile
         )(function)
         if compiled is not function:  # with NUMBA_DISABLE_JIT it is the function itself
+            _take_constants_as_values(compiled)
             _compile_with_stable_names(compiled)
             # A function that is none of ours (a test's, a user's) is not known to the cache's key.
             if function.__module__.startswith(HOME):
                 name = name_of(function)
                 compiled._cache = KernelCache(name)
                 KERNELS[name] = compiled
-                _compile_for_caller(compiled, compiled._cache)
-            _take_constants_as_values(compiled)
         kernel: F = compiled
         return kernel
 
@@ -106,52 +99,13 @@ def _take_constants_as_values(compiled: Any) -> None:
     compiled.get_call_template = by_type
 
 
-def _compile_for_caller(compiled: Any, cache: KernelCache) -> None:
-    """Compile for another kernel the intermediate code only, for Python machine code and its wrapper too.
-
-    Another kernel asks for the template of a call, under numba's lock of the compiler; Python compiles.
-    """
-    resolve, compile_for, add = compiled.get_call_template, compiled.compile, compiled.add_overload
-    compile_code = compiled._compiler.compile
-
-    def for_kernel(args: Any, keywords: Any) -> Any:
-        with cache.intermediate():
-            return resolve(args, keywords)
-
-    def compile_now(signature: Any) -> Any:
-        with global_compiler_lock:
-            there = compiled.overloads.get(tuple(signature))  # held until the new one has its environment
-            if not cache.is_intermediate and there is not None and not callable(there.entry_point):
-                del compiled.overloads[tuple(signature)]
-            return compile_for(signature)
-
-    def compile_part(args: Any, return_type: Any) -> Any:
-        result = compile_code(args, return_type)
-        return without_entry(result) if cache.is_intermediate else result
-
-    def add_overload(result: Any) -> None:
-        if callable(result.entry_point):
-            add(result)
-        else:  # Python must not find it
-            compiled.overloads[tuple(result.signature.args)] = result
-
-    def flags_for(flags: Any) -> Any:
-        flags.no_cpython_wrapper = cache.is_intermediate
-        return flags
-
-    compiled.get_call_template, compiled.compile, compiled.add_overload = for_kernel, compile_now, add_overload
-    compiled._compiler.compile, compiled._compiler._customize_flags = compile_part, flags_for
-
-
 def _compile_with_stable_names(compiled: Any) -> None:
     """Have the machine code not depend on what this process has compiled before: numba's lock is held meanwhile."""
     compile_now = compiled._compiler.compile
 
     def with_names(args: Any, return_type: Any) -> Any:
-        with stable_names(), machine_code_where_python_calls():
-            result = compile_now(args, return_type)
-            set_environments(result)
-            return result
+        with stable_names():
+            return compile_now(args, return_type)
 
     compiled._compiler.compile = with_names
 
@@ -164,7 +118,6 @@ class Unstable(Exception):
 def stable_names() -> Iterator[None]:
     """Within, functions are named by what they are; to be used under numba's lock of the compiler."""
     made, derived, encode = Identity.__dict__["from_function"], Identity.derive, Flags.encode
-    name_of_settings = Settings.get_mangle_string
     original: Callable[..., Any] = made.__func__
 
     def from_function(cls: Any, function: Any) -> Any:
@@ -174,21 +127,13 @@ def stable_names() -> Iterator[None]:
             identity.unique_name = f"{identity.func_qualname}${identity.unique_id}"
         return identity
 
-    def without_caller(settings: Any) -> str:
-        plain = settings.copy()
-        plain.discard("no_cpython_wrapper")  # one name, whether Python calls or another kernel
-        name: str = name_of_settings(plain)
-        return name
-
     # what is derived from a function is another one of the same source: it is numbered as ever
     Identity.from_function = classmethod(from_function)
     Identity.derive = lambda self: original(type(self), self.func)
     Flags.encode = lambda self: str(sorted(self.flags))
-    Settings.get_mangle_string = without_caller
     try:
         yield
     finally:
-        Settings.get_mangle_string = name_of_settings
         Identity.from_function, Identity.derive, Flags.encode = made, derived, encode
 
 

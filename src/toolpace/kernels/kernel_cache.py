@@ -28,17 +28,17 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import numba
 import numpy as np
-from numba.core import config, serialize
+from llvmlite import binding
+from numba.core import compiler, config, serialize
+from numba.core.runtime import rtsys
 
 from toolpace.kernels.baseline import baselines, processor, usable
-from toolpace.kernels.machine_code import rebuilt, reduced, set_intermediate_code
 
 COMPLETE = "complete"
 """A file that lists the others with their sizes: all kernels of a first run are there."""
@@ -280,56 +280,39 @@ class KernelCache:
         self._name = name
         self.cache_path: str | None = None
         self._enabled = True
-        self.is_intermediate = False
-        """Whether another kernel calls, and needs no machine code."""
 
-    @contextlib.contextmanager
-    def intermediate(self) -> Iterator[None]:
-        """Within, load and save for another kernel that calls; to be used under numba's lock of the compiler."""
-        outer, self.is_intermediate = self.is_intermediate, True
-        try:
-            yield
-        finally:
-            self.is_intermediate = outer
-
-    def file(self, signature: Any, intermediate: bool = False) -> str:
+    def file(self, signature: Any) -> str:
         """Name of the file of one signature, a tuple of numba's types."""
         plain = "".join(c if c.isalnum() or c in "._" else "-" for c in self._name)
-        told = f"{self._name} {signature}{' intermediate' if intermediate else ''}"
-        return f"{plain}-{hashlib.sha256(told.encode()).hexdigest()[:12]}{SUFFIX}"
+        return f"{plain}-{hashlib.sha256(f'{self._name} {signature}'.encode()).hexdigest()[:12]}{SUFFIX}"
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """Return the compiled function for a signature, or None."""
         if not self._enabled:
             return None
-        if self.is_intermediate:
-            of_both = (self.file(signature), self.file(signature, intermediate=True))
-            found = (self._loaded(file, target_context) for file in of_both)
-            return next((each for each in found if each is not None), None)
-        return self._loaded(self.file(signature), target_context)
-
-    def _loaded(self, file: str, target_context: Any) -> Any:
-        data = store().load(file)
+        data = store().load(self.file(signature))
         if data is None:
             return None
+        # Machine code calls numba's functions for memory. What numba compiles with takes a quarter of a second to
+        # set up and is not needed to load it; where something is to be compiled, numba's compiler sets it up.
+        rtsys.initialize(target_context)
         try:
-            return rebuilt(target_context, pickle.loads(data), from_python=not self.is_intermediate)
+            return compiler.CompileResult._rebuild(target_context, *pickle.loads(data))
         except Exception as error:
-            store().damaged(file, f"unreadable, {type(error).__name__}")
+            store().damaged(self.file(signature), f"unreadable, {type(error).__name__}")
             return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep a compiled function; whoever calls it is compiled with what is kept, like those that load it."""
-        if compiled.library._shared_module is None:
-            set_intermediate_code(compiled.library)
+        _as_loaded(compiled.library)
         if not self._enabled or compiled.lifted or compiled.library.has_dynamic_globals:
             return
         try:
-            data = serialize.dumps(reduced(compiled) if self.is_intermediate else compiled._reduce())
+            data = serialize.dumps(compiled._reduce())
         except Exception as error:
             warn(f"compiled kernels cannot be kept with this numba ({type(error).__name__}); every run compiles them")
             return
-        store().save(self.file(signature, self.is_intermediate), data)
+        store().save(self.file(signature), data)
 
     def enable(self) -> None:
         """Load and save."""
@@ -341,3 +324,13 @@ class KernelCache:
 
     def flush(self) -> None:
         """Forget nothing: what is kept is never stale."""
+
+
+def _as_loaded(library: Any) -> None:
+    """Give a library that was just compiled the form in which its callers would find it loaded.
+
+    A caller's machine code holds that of its callees. From a module in memory the compiler made other code, by the last
+    bit of its results, than from the same module written and read: uses of a value come in another order there.
+    """
+    if hasattr(library, "_shared_module") and hasattr(library, "_get_module_for_linking"):
+        library._shared_module = binding.parse_bitcode(library._get_module_for_linking().as_bitcode())

@@ -234,12 +234,16 @@ def largest_between(begin: Ints, low: Floats, high: Floats, start: Floats, value
 
 
 @jit()
-def named(
-    begin: Ints, low: Floats, high: Floats, start: Floats, value: Ints, order: Ints, asked: Ints, found: Bools
-) -> None:
+def named(begin: Ints, low: Floats, high: Floats, start: Floats, value: Ints, asked: Ints, found: Bools) -> None:
     """Whether the value asked for each pose is one of those that hold at its places; value[r] holds from start[r] to
-    start[r + 1]. `order` has stretches of one value after those of another, each in their order."""
+    start[r + 1]."""
     r, count = 0, len(value)
+    # stretches of one value after those of another, each in their order
+    order, first = np.argsort(value), 0
+    for at in range(1, count + 1):
+        if at == count or value[order[at]] != value[order[first]]:
+            order[first:at] = np.sort(order[first:at])
+            first = at
     for k in range(len(begin) - 1):
         found[k] = False
         for j in range(begin[k], begin[k + 1]):

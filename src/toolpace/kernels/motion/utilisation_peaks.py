@@ -164,12 +164,10 @@ def _closer_looks(inside: Floats) -> Closer:
         for i in range(LOOKS):
             near[p, i] = begin + (end - begin) * (i + 1) / (LOOKS + 1)
         for one in range(FIVE):
-            for i in range(LOOKS):
-                weight[p, one, i] = 1.0
+            weight[p, one] = 1.0
             for other in range(FIVE):
                 if other != one:
-                    for i in range(LOOKS):
-                        weight[p, one, i] *= (near[p, i] - around[other]) / (around[one] - around[other])
+                    weight[p, one] *= (near[p] - around[other]) / (around[one] - around[other])
     return Closer(inside, near, weight, np.empty((3, LOOKS)), np.empty(LOOKS), np.empty(k, dtype=np.int64))
 
 

@@ -80,24 +80,12 @@ def advance(dual: Floats, step: Floats, go: float) -> None:
 
 
 @jit(inline=True)
-def advance_rows(dual: Floats, step: Floats, go: float) -> None:
-    """`advance` of the multipliers of rows in tiles (tiles, r, 2, TILE)."""
-    for t in range(len(dual)):
-        for i in range(dual.shape[1]):
-            advance(dual[t, i, 0], step[t, i, 0], go)
-            advance(dual[t, i, 1], step[t, i, 1], go)
-
-
-@jit(inline=True)
 def in_tiles(rows: Floats, wanted: Bools) -> RowTiles:
     """The rows (points, 2 m, 3) that are wanted (tiles, 2 m) in tiles, states and multipliers still zero."""
     points, count = rows.shape[0], rows.shape[1]
     tiles, most = len(wanted), 0
     for t in range(tiles):
-        of_tile = 0
-        for i in range(count):
-            of_tile += wanted[t, i]
-        most = max(most, of_tile)
+        most = max(most, int(np.count_nonzero(wanted[t])))
     of_tiles, kept = np.zeros((tiles, most, 3, TILE)), np.zeros((tiles, 2), dtype=np.int64)
     for t in range(tiles):
         first, last = t * TILE, min((t + 1) * TILE, points)
@@ -124,17 +112,6 @@ def rows_in(tiles: RowTiles) -> int:
     for t in range(len(tiles.kept)):
         count += min(TILE, tiles.points - t * TILE) * (tiles.kept[t, 0] + tiles.kept[t, 1])
     return count
-
-
-@jit(inline=True)
-def standing(relief: Floats) -> float:
-    """The share of the reliefs (n, k) that stands at first: all, or 0 where none is positive."""
-    share = 0.0
-    for i in range(len(relief)):
-        for j in range(relief.shape[1]):
-            if relief[i, j] > 0.0:
-                share = 1.0
-    return share
 
 
 @jit(inline=True)

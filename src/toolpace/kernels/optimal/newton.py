@@ -184,8 +184,7 @@ def aim_at_optimum(system: System, ends: Ends) -> None:
 @jit(inline=True)
 def aim_at_centre(system: System, ends: Ends, centre: float) -> None:
     """Set the corrector's direction: at products of slack and multiplier of `centre`, with the second-order terms."""
-    for i in range(len(system.rhs)):
-        system.direction[i] = system.rhs[i] - centre * system.centring[i] - system.second[i]
+    copy(system.rhs - centre * system.centring - system.second, system.direction)
     _solve_tied(system, ends)
 
 

@@ -25,6 +25,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.copy import copy
 from toolpace.kernels.jit import jit
 from toolpace.kernels.optimal import multipliers, relaxation_knots
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
@@ -46,12 +47,10 @@ from toolpace.kernels.optimal.multipliers import (
     RowTiles,
     Z,
     advance,
-    advance_rows,
     product_aimed_at,
     set_bounds,
     set_common,
     share_left,
-    standing,
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope, aim_at_centre, aim_at_optimum, factor_tied
 from toolpace.kernels.optimal.relaxation_knots import TOTAL, V0, V1, V2, at_knots
@@ -83,21 +82,7 @@ def relax(
     points, count = knots.rows.shape[0], knots.rows.shape[1]
     products = 2 * points * count + count_of(work.own)
     best, dual = np.zeros((points, count, 2)), np.zeros((points, count, 2))
-    least, _, _ = dual_value(knots, low, cap, best)
-    bound, number = _improve(work, c, products, tolerance, enough, most_steps, least, best, dual)
-    return bound, best, work.states.wait, number
-
-
-@jit()
-def _improve(
-    work: Work, c: Floats, products: int, tolerance: float, enough: float, most_steps: int, bound: float, best: Floats,
-    dual: Floats,
-) -> tuple[float, int]:  # fmt: skip
-    """Go on from c until the bound is good enough; `best` are multipliers of the bound so far, `dual` is overwritten.
-
-    Returns the best bound, and the number of steps.
-    """
-    knots, low, cap = work.knots, work.own.low, work.own.cap
+    bound, _, _ = dual_value(knots, low, cap, best)
     scale, tau = _start(work, c, products)
     near = NEAR if enough == np.inf else NEAR_ENOUGH
     number = 0
@@ -108,9 +93,7 @@ def _improve(
             value, _, _ = dual_value(knots, low, cap, dual)
             if value > bound:
                 bound = value
-                for p in range(len(dual)):
-                    for i in range(dual.shape[1]):
-                        best[p, i, 0], best[p, i, 1] = dual[p, i, 0], dual[p, i, 1]
+                copy(dual.reshape(-1), best.reshape(-1))
             if bound >= enough or (least - bound < tolerance * scale and tau < 1e-9):
                 break
             if gap < ROUNDING * tolerance * scale:
@@ -124,7 +107,7 @@ def _improve(
         _go(work, c, go, go_dual)
         tau *= 1.0 - go
         _evaluate(work, tau)
-    return bound, number
+    return bound, best, work.states.wait, number
 
 
 @jit(inline=True)
@@ -140,7 +123,7 @@ def _start(work: Work, c: Floats, products: int) -> tuple[float, float]:
         time += knots.weight[k] / np.sqrt(states.at[k, 0])
     centre = time / products
     relaxation_knots.first_waits(knots, work.own, states, centre)
-    tau = standing(work.own.relief)
+    tau = 1.0 if np.max(work.own.relief) > 0.0 else 0.0
     _evaluate(work, tau)
     relaxation_knots.start(knots, work.own, states, centre)
     multipliers.start(work.tiles, centre)
@@ -159,15 +142,12 @@ def _newton_system(work: Work, c: Floats) -> tuple[float, float]:
     """Newton matrix and right-hand side for a centring of zero, the waits eliminated; returns gap and value."""
     knots, system, waits, points = work.knots, work.system, work.waits, work.points
     system.matrix[:] = 0.0
-    priced = 0.0
-    for k in range(len(c)):
-        system.rhs[k] = -knots.price[k]
-        priced += c[k] * knots.price[k]
+    copy(-knots.price, system.rhs)
     wait_system(work.tiles, points.of_wait)
     gap, value = relaxation_knots.eliminate_waits(knots, work.own, work.states, points.of_wait, system, waits)
     at_points(knots.first, waits.mean, points.mean)
     gap += newton_system(knots.basis, points, work.tiles, system)
-    return gap, value + priced
+    return gap, value + float(c @ knots.price)
 
 
 @jit(inline=True)
@@ -192,8 +172,8 @@ def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
     """
     knots, system, waits, change = work.knots, work.system, work.waits, work.knot_steps.change
     aim_at_centre(system, knots.ends, centre)
-    for k in range(len(waits.pull)):
-        waits.pull[k] -= centre * waits.centring[k] + waits.second[k]
+    pull = waits.pull
+    pull -= centre * waits.centring + waits.second
     at_knots(knots.basis, system.direction, change)
     relaxation_knots.follow(waits, change)
     at_points(knots.first, change, work.row_steps.change)
@@ -208,14 +188,12 @@ def _corrector(work: Work, tau: float, centre: float) -> tuple[float, float]:
 def _go(work: Work, c: Floats, go: float, go_dual: float) -> None:
     """Go these shares of the corrector's step: with coefficients and waits, and with the multipliers."""
     states, steps = work.states, work.knot_steps
-    for k in range(len(c)):
-        c[k] += go * work.system.direction[k]
+    c += go * work.system.direction
     at_knots(work.knots.basis, c, states.at)
     for k in range(len(states.wait)):
         states.wait[k] += go * steps.change[k, 3]
-    advance_rows(work.tiles.dual, work.row_steps.dual, go_dual)
-    for k in range(len(states.dual)):
-        advance(states.dual[k], steps.dual[k], go_dual)
+    advance(work.tiles.dual.reshape(-1), work.row_steps.dual.reshape(-1), go_dual)
+    advance(states.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
 
 
 @jit()

@@ -27,11 +27,9 @@ from toolpace.kernels.optimal.multipliers import (
     RowSteps,
     RowTiles,
     advance,
-    advance_rows,
     in_tiles,
     product_aimed_at,
     rows_in,
-    standing,
     steps_of,
 )
 from toolpace.kernels.optimal.newton import (
@@ -77,22 +75,8 @@ def maximise_speed(
     """
     tiles, caps = in_tiles(points.rows, solver_rows.wanted(points, c, idle)), caps_of(points, relief)
     steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
-    status, number, gap, residual = _improve(
-        points, ends, c, standing(relief), tiles, caps, steps, system, gradient, spread, tolerance, most_steps
-    )
-    return c, status, number, gap, residual
-
-
-@jit()
-def _improve(
-    points: PointRows, ends: Ends, c: Floats, tau: float, tiles: RowTiles, caps: Caps, steps: RowSteps, system: System,
-    gradient: Floats, spread: float, tolerance: float, most_steps: int,
-) -> tuple[int, int, float, float]:  # fmt: skip
-    """Go on from c until the gap is within the tolerance; tau is the share of the reliefs that stands.
-
-    Returns status, steps, and gap and scaled gradient relative to the time.
-    """
     products = tiles.points + 2 * rows_in(tiles)
+    tau = 1.0 if np.max(relief) > 0.0 else 0.0
     solver_rows.states(points, c, caps, tau, tiles.at)
     time = solver_rows.duration(tiles, caps)
     solver_rows.start(tiles, caps, tau, spread * time / products)
@@ -102,22 +86,20 @@ def _improve(
         residual = _scaled(gradient, c, ends)
         flat = residual < STEEP * np.sqrt(tolerance) * time
         if gap < tolerance * time and flat and tau < RELIEVED * tolerance:
-            return OPTIMAL, number, gap / time, residual / time
+            return c, OPTIMAL, number, gap / time, residual / time
         if gap > LOST * time or not factor_tied(system, ends):
-            return BROKEN, number, gap / time, residual / time
+            return c, BROKEN, number, gap / time, residual / time
         left = _predictor(points, ends, tiles, caps, tau, steps, gap, system)
         centre = max(product_aimed_at(gap, products, left), BALANCE * residual / products)
         go, go_dual = _corrector(points, ends, tiles, caps, tau, steps, centre, system)
         if not (go > 0.0 and go_dual > 0.0):
-            return BROKEN, number, gap / time, residual / time
-        for i in range(len(c)):
-            c[i] += go * system.direction[i]
-        advance_rows(tiles.dual, steps.dual, go_dual)
-        for t in range(len(caps.dual)):
-            advance(caps.dual[t], caps.step[t], go_dual)
+            return c, BROKEN, number, gap / time, residual / time
+        c += go * system.direction
+        advance(tiles.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
+        advance(caps.dual.reshape(-1), caps.step.reshape(-1), go_dual)
         tau *= 1.0 - go
         solver_rows.states(points, c, caps, tau, tiles.at)
-    return STALLED, most_steps, gap / time, residual / time
+    return c, STALLED, most_steps, gap / time, residual / time
 
 
 @jit(inline=True)
