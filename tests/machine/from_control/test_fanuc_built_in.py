@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from tests.support.fanuc_files import HOLDER, machine_zero, parameters_text, rotary_sides
+from tests.support.read_back import assert_comes_back
 from toolpace.machine.from_control import read_control
 from toolpace.machine.machine import Machine
 
-SAME = 1e-9
-"""[m], and share of a limit."""
 ALIKE = [name for name in Machine.names() if name != "paper-ab"]
 """All but the machine whose rotary table carries slides."""
 INCH = "xyzab-trunnion-inch"
@@ -38,23 +36,9 @@ def test_a_built_in_machine_comes_back(name, form, shifted, inch, tmp_path):
     place = tmp_path / "CNC-PARA.TXT"
     place.write_text(parameters_text(machine, form, shifted=shifted, inch=inch))
     draft = read_control([place])
-    chain = machine.file.chain
-    origin = np.array(chain.workpiece_origin) - machine_zero(machine, shifted)
-    back = draft.machine.mounted(origin=origin, x=chain.workpiece_x, z=chain.workpiece_z).with_tool(machine.tool_length)
-    columns = [machine.joints.index(each) for each in back.joints]
     asked = {each.what.split(" [")[0] for each in draft.stand_ins}
     assert not asked or (form == "16i" and not any("velocity" in each for each in asked))
-    for kind in ("velocity", "acceleration", "jerk"):
-        for joint, column in zip(back.joints, columns):
-            if f"{kind} of {joint}" not in asked:
-                expected = getattr(machine.limits, kind)[column]
-                assert getattr(back.limits, kind)[back.joints.index(joint)] == pytest.approx(expected, rel=SAME)
-    assert back.travel == pytest.approx(machine.travel[columns], rel=SAME, abs=SAME)
-    q = np.random.default_rng(12).uniform(-0.4, 0.4, (20, 5))
-    tip, axis = machine.forward(q)
-    tip_back, axis_back = back.forward(q[:, columns])
-    assert np.abs(tip_back - tip).max() < SAME and np.abs(axis_back - axis).max() < SAME
-    assert back.kind == machine.kind
+    assert_comes_back(draft.machine, machine, machine_zero(machine, shifted), stand_ins=asked)
 
 
 def test_the_holder_counts_from_the_end_of_the_tool(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.support.heidenhain_files import objects_text, parameters_text, table_text
+from tests.support.read_back import assert_comes_back
 from toolpace.common.errors import ToolpaceError, UnitWarning
 from toolpace.machine.from_control import MachineDraft, read_control
 from toolpace.machine.from_control.control_file import ControlFileError
@@ -18,8 +19,6 @@ from toolpace.machine.from_control.stand_ins import Answers
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
 
-SAME = 1e-9
-"""[m], and share of a limit."""
 MIXED = Machine.load("xyzbc-millturn")
 TABLE, PARAMETERS, OBJECTS = table_text(MIXED), parameters_text(MIXED), objects_text(MIXED)
 
@@ -38,18 +37,7 @@ def test_a_built_in_machine_comes_back(name, form, tmp_path):
     texts = (parameters_text(machine), table_text(machine)) if form == "iTNC 530" else (objects_text(machine),)
     draft = _read(tmp_path, *texts)
     assert not draft.stand_ins
-    chain = machine.file.chain
-    origin = np.array(chain.workpiece_origin) - chain.spindle_nose
-    back = draft.machine.mounted(origin=origin, x=chain.workpiece_x, z=chain.workpiece_z).with_tool(machine.tool_length)
-    columns = [machine.joints.index(each) for each in back.joints]
-    for kind in ("velocity", "acceleration", "jerk"):
-        assert getattr(back.limits, kind) == pytest.approx(getattr(machine.limits, kind)[columns], rel=SAME)
-    assert back.travel == pytest.approx(machine.travel[columns], rel=SAME, abs=SAME)
-    q = np.random.default_rng(13).uniform(-0.4, 0.4, (20, 5))
-    tip, axis = machine.forward(q)
-    tip_back, axis_back = back.forward(q[:, columns])
-    assert np.abs(tip_back - tip).max() < SAME and np.abs(axis_back - axis).max() < SAME
-    assert back.kind == machine.kind
+    assert_comes_back(draft.machine, machine, machine.file.chain.spindle_nose)
 
 
 def test_each_figure_names_its_line_and_a_controller_file_has_those_of_the_model(tmp_path):

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from tests.support.linuxcnc_files import ini_text, written
+from tests.support.read_back import assert_comes_back, sense
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine.from_control import read_control
 from toolpace.machine.from_control.stand_ins import Answers
 from toolpace.machine.machine import Machine
 
 ALONG = dict(zip("XYZABC", np.vstack([np.eye(3), np.eye(3)])))
-SAME = 1e-9
-"""[m], and share of a limit."""
 
 
 def _can_be_told(machine: Machine) -> bool:
@@ -72,28 +71,10 @@ def test_a_built_in_machine_comes_back(name, tmp_path):
     text = ini_text(f"trivkins coordinates={letters}", letters, sections=_sections(machine))
     draft = read_control([written(tmp_path, mill_ini=text)], Answers(lambda question: _answer(machine, question)))
     assert not draft.stand_ins
-    chain = machine.file.chain
-    origin = np.array(chain.workpiece_origin) - chain.spindle_nose
-    back = draft.machine.mounted(origin=origin, x=chain.workpiece_x, z=chain.workpiece_z).with_tool(machine.tool_length)
-    columns = [machine.joints.index(each) for each in back.joints]
-    for key in ("velocity", "acceleration", "jerk"):
-        assert getattr(back.limits, key) == pytest.approx(getattr(machine.limits, key)[columns], rel=SAME)
-    assert back.travel == pytest.approx(machine.travel[columns], rel=SAME, abs=SAME)
-    q = np.random.default_rng(11).uniform(-0.4, 0.4, (20, 5))
     # a linear joint that moves the workpiece towards +X counts against LinuxCNC's X, which the tool would move along
-    senses = np.array([_sense(machine, each) for each in machine.joints])
-    tip, axis = machine.forward(q * senses)
-    tip_back, axis_back = back.forward(q[:, columns])
-    assert np.abs(tip_back - tip).max() < SAME and np.abs(axis_back - axis).max() < SAME
-    assert back.kind == machine.kind
+    senses = np.array([sense(machine, each) for each in machine.joints])
+    assert_comes_back(draft.machine, machine, machine.file.chain.spindle_nose, senses)
 
-
-def _sense(machine: Machine, name: str) -> float:
-    joint = machine.file.joints[name]
-    if joint.kind == "rotary":
-        return 1.0
-    side = -1.0 if name in machine.file.chain.workpiece else 1.0
-    return side * math.copysign(1.0, ALONG[name] @ joint.direction)
 
 
 def test_all_are_tried_but_those_with_inclined_axes_a_b_about_z_or_a_table_that_turns_slides():

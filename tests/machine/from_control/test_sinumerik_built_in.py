@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
+from tests.support.read_back import assert_comes_back, sense
 from tests.support.sinumerik_archive import BY_LETTERS, GENERIC, Archive, changed
 from toolpace.machine.from_control import read_control
 from toolpace.machine.machine import Machine
 
-SAME = 1e-9
-"""[m], and share of a limit."""
 TABLES_THAT_TURN_SLIDES = {"paper-ab"}
 """The part's slides stand on its turning axis: no transformation of the control has that."""
 FORMS = ("directions", "letters", "letters and swivel data", "swivel data", "swivel data by type 72", "both")
@@ -52,32 +49,12 @@ CASES = [(name, form) for name in Machine.names() for form in FORMS if _can_be_t
 @pytest.mark.parametrize(("name", "form"), CASES)
 def test_a_built_in_machine_comes_back(name, form, tmp_path):
     archive = _archive(name)
-    machine, chain = archive.machine, archive.machine.file.chain
     file = tmp_path / "mill.arc"
     file.write_text("\r\n".join([*archive.axes(), *_lines(archive, form)]), newline="")
     draft = read_control([file])
     assert not draft.stand_ins
-    origin = np.array(chain.workpiece_origin) - archive.zero
-    back = draft.machine.mounted(origin=origin, x=chain.workpiece_x, z=chain.workpiece_z).with_tool(machine.tool_length)
-    columns = [machine.joints.index(each) for each in back.joints]
-    for key in ("velocity", "acceleration", "jerk"):
-        assert getattr(back.limits, key) == pytest.approx(getattr(machine.limits, key)[columns], rel=SAME)
-    assert back.travel == pytest.approx(machine.travel[columns], rel=SAME, abs=SAME)
-    assert back.wrap.tolist() == machine.wrap[columns].tolist()
-    q = np.random.default_rng(11).uniform(-0.4, 0.4, (20, 5))
-    tip, axis = machine.forward(q * [_sense(machine, each) for each in machine.joints])
-    tip_back, axis_back = back.forward(q[:, columns])
-    assert np.abs(tip_back - tip).max() < SAME and np.abs(axis_back - axis).max() < SAME
-    assert back.kind == machine.kind
-
-
-def _sense(machine: Machine, name: str) -> float:
-    """Of a joint against the control's axis, which counts as if the tool moved."""
-    joint = machine.file.joints[name]
-    if joint.kind == "rotary":
-        return 1.0
-    side = -1.0 if name in machine.file.chain.workpiece else 1.0
-    return side * math.copysign(1.0, joint.direction["XYZ".index(name)])
+    senses = np.array([sense(archive.machine, each) for each in archive.machine.joints])
+    assert_comes_back(draft.machine, archive.machine, archive.zero, senses)
 
 
 def test_what_is_not_tried_cannot_be_told():
