@@ -99,3 +99,14 @@ def test_an_error_in_a_block_is_raised(monkeypatch):
 
     with pytest.raises(ValueError, match="row 20"):
         each_block(work, 35)
+
+
+def test_a_judge_that_has_not_seen_all_does_not_judge():
+    points = motions.set_points()
+    halves = [Block.of(points, 0, WINDOW), Block.of(points, WINDOW, len(points))]
+    for taken in ([], halves[:1], [halves[0], *halves]):
+        judge = motion_judge(points, motions.machine(), motions.program(), 10e-6, 1e-3)
+        for block in taken:
+            judge.take(block)
+        with pytest.raises(ValueError, match=f"of {len(points)} set-points"):
+            judge.judged()

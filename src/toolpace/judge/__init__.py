@@ -188,6 +188,7 @@ class MotionJudge:
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
+        self._taken = 0
         finite = len(source) > 0 and bool(np.isfinite(source.t).all())
         self.step, self._steps = step_check(source) if finite else (math.nan, [])
         self._goes_on = finite and self._steps[0].ok
@@ -204,6 +205,8 @@ class MotionJudge:
 
     def take(self, block: Block) -> None:
         """Look at a block, in parts that stay in the nearest cache."""
+        with self._lock:
+            self._taken += block.end - block.begin
         near = block.near
         if not all(_finite(getattr(near, name)) for name in COLUMNS):
             self._note_bad(block)
@@ -248,8 +251,13 @@ class MotionJudge:
                     self._bad[name] = min(place, self._bad.get(name, place))
 
     def judged(self) -> tuple[Verification, ProgramJudgement | None]:
-        """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
+        """The verdict, and what the program has to say; None where the set-points are too bad to go on.
+
+        Raises ValueError where it has not taken each set-point once: what was not seen would count as good.
+        """
         count = len(self.source)
+        if self._taken != count:
+            raise ValueError(f"the judge has taken {self._taken} of {count} set-points")
         first = self._not_finite()
         if first is not None:
             return Verification((first,), math.nan, count), None
