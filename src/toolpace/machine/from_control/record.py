@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from toolpace.machine.from_control.control_file import ControlFileError
+from toolpace.machine.from_control.control_file import SHOWN, ControlFileError
 
 Value = bool | float | str | tuple[float, ...] | tuple[str, ...]
 """As in a machine file: a number, a word, a vector, the names of joints."""
@@ -26,6 +26,10 @@ class Origin:
     def error(self, message: str) -> ControlFileError:
         """What is wrong with the figure, at its line."""
         return ControlFileError(f"{self.name} {message}", file=self.file, line=self.line)
+
+    def no_number(self, text: str) -> ControlFileError:
+        """That what stands there is none."""
+        return self.error(f"= '{text[:SHOWN]}' is not a number; correct it")
 
 
 @dataclass(frozen=True)

@@ -142,11 +142,11 @@ class Parameters:
 
 def _decimal(value: Value) -> Decimal:
     if not _NUMBER.fullmatch(value.text):
-        raise value.origin.error(f"= '{value.text[:SHOWN]}' is not a number; correct it")
+        raise value.origin.no_number(value.text)
     try:
         return Decimal(value.text)
     except InvalidOperation:
-        raise value.origin.error(f"= '{value.text[:SHOWN]}' is not a number; correct it") from None
+        raise value.origin.no_number(value.text) from None
 
 
 def read_parameters(files: Sequence[ControlFile]) -> Parameters:

@@ -50,7 +50,7 @@ class Entry:
         """Its number. Raises ControlFileError where it is none."""
         value = float(self.text.replace(",", ".")) if _NUMBER.fullmatch(self.text) else math.nan
         if not math.isfinite(value):
-            raise self.origin.error(f"= '{self.text[:SHOWN]}' is not a number; correct it")
+            raise self.origin.no_number(self.text)
         return Figure(value, (self.origin,))
 
     def elements(self) -> list[str]:

@@ -34,7 +34,7 @@ class Entry:
         number = _NUMBER.match(self.text)
         rest = self.text[number.end() :].strip() if number else ""
         if number is None or (rest and rest[0] not in "#;"):
-            raise self.origin.error(f"= '{self.text[:SHOWN]}' is not a number; correct it")
+            raise self.origin.no_number(self.text)
         value = float(number.group())
         if math.isinf(value):
             raise self.origin.error(f"= {number.group()[:SHOWN]} is too large to be a number; correct it")

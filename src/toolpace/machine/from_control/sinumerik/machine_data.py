@@ -55,7 +55,7 @@ class Datum:
                 return float(int(word[2:-1], 16 if word[1] == "H" else 2))
             value = float(EXPONENT.sub(r"\1E", word).replace("_", "x"))
         except (ValueError, OverflowError):
-            raise self.origin.error(f"= '{self.text[:20]}' is no number; correct it on the control") from None
+            raise self.origin.no_number(self.text) from None
         if not abs(value) < LARGEST:
             raise self.origin.error(f"= '{self.text[:20]}' is too large; correct it on the control")
         return value
