@@ -95,6 +95,7 @@ def test_read_the_result(capsys):
     assert "slowest at" in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 def test_what_tolerance_buys():
     durations = load("06_what_tolerance_buys").durations
     assert all(wide < narrow for narrow, wide in pairwise(durations))

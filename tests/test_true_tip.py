@@ -41,7 +41,10 @@ def test_a_sheet_whose_tool_is_not_the_machines(machine, length):
     check(Maker(1, machine, "g43.4", [length], points=100).make())
 
 
-@pytest.mark.parametrize(("number", "machine"), list(enumerate(MACHINES)))
+@pytest.mark.parametrize(
+    ("number", "machine"),
+    [pytest.param(*each, marks=pytest.mark.sweep if "large" in each[1] else ()) for each in enumerate(MACHINES)],
+)
 def test_two_tools_on_every_class_of_machine(number, machine):
     own = Maker(0, machine).chain.own_length
     check(Maker(number, machine, MODES[number % len(MODES)], [own, round(own * 1.3, 4)], points=25).make())

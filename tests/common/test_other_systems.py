@@ -43,7 +43,7 @@ def run(hidden: str, code: str, *words: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("hidden", [ALL, pytest.param("", id="nothing")])
+@pytest.mark.parametrize("hidden", [ALL, pytest.param("", id="nothing", marks=pytest.mark.sweep)])
 def test_a_plan_is_written_twice_and_verified(hidden, tmp_path):
     (tmp_path / "part.ngc").write_text(PROGRAM)
     out = tmp_path / "plan"

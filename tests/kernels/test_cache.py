@@ -190,6 +190,7 @@ def test_where_nothing_can_be_written_nothing_lies_beside_the_sources(tmp_path):
     assert {each for each in SOURCES.rglob("*") if each.suffix in (".nbi", ".nbc", SUFFIX)} == before
 
 
+@pytest.mark.sweep
 def test_processes_side_by_side_on_an_empty_cache_leave_it_whole(tmp_path):
     command = [sys.executable, "-c", FORWARD]
     started = [
