@@ -1,0 +1,1 @@
+"""Where the tool's surface is in material, along a motion."""

@@ -1,0 +1,42 @@
+"""The engagement of a tool along a motion: at each station, the arcs of each slice of the tool that are in material.
+
+Angles as in cutting/forces.py: phi is measured at the tool axis, seen from the spindle, from the normal on the left of
+the feed, clockwise; 90 degrees is straight ahead. The feed is the motion of the tip from the station before, across the
+axis; where the tool moves along its axis only (ACROSS), the last feed across it stands in, at first the frame's x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toolpace.common.arrays import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Engagement:
+    """Of n stations of one tool, with k arcs in all."""
+
+    slice_height: float
+    """Along the axis; slice j is from j to j + 1 of it above the tip [m]."""
+    feed_direction: Floats
+    """(n, 3) unit vector of the feed across the axis, workpiece frame."""
+    across: Floats
+    """(n,) share of the motion of the tip that is across the axis; -1 to 1 of the rest is along it (see `along`)."""
+    along: Floats
+    """(n,) share of the motion of the tip that is along the axis, above zero away from the tip."""
+    first_arc: Ints
+    """(n + 1,) arcs of station i are first_arc[i] to first_arc[i + 1]."""
+    slice: Ints
+    """(k,) of the tool, from the tip upwards."""
+    entry: Floats
+    """(k,) angle at which an edge enters material [rad], 0 to 2 pi."""
+    exit: Floats
+    """(k,) angle at which it leaves it, above `entry`, by 2 pi at most."""
+    bottom: Floats
+    """(n,) share of the end of the tool (flat bottom, point of a drill) that cuts, by area across the axis."""
+    removed: Floats
+    """(n,) volume removed on the way to the station [m3]."""
+    width: Floats
+    """(n,) most width of the cut across the feed, in any slice [m]."""
+    depth: Floats
+    """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
