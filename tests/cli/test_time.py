@@ -136,7 +136,7 @@ def test_the_optimum_is_planned_with_the_limits_that_the_control_exceeds_too(tmp
         duration(0.02, 0.1, acceleration, acceleration / 1e-3)[1], rel=1e-3
     )
     page = " ".join(printed(capsys, *part).split())
-    assert "in the ramps of 1 block" in page and "likewise" in page
+    assert "in the ramps of at most 1 block" in page and "likewise" in page
 
 
 @pytest.mark.parametrize("fails", [False, True])

@@ -15,7 +15,14 @@ from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
 from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
-from toolpace.controls.fitting.measured import MotionLog, WrittenTime, load_log, sustained_accelerations, trimmed
+from toolpace.controls.fitting.measured import (
+    MotionLog,
+    WrittenTime,
+    load_log,
+    progress,
+    sustained_accelerations,
+    trimmed,
+)
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves, with_range
 from toolpace.programs.commanded import Commanded
@@ -141,6 +148,32 @@ def test_what_is_no_log_of_the_whole_program_in_its_units_is_refused(
     moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
     with pytest.raises(UsageError, match=told):
         fit_log(moves, MACHINE, wrong(log_of()), figures_of({}, "", "lookahead"))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6])
+@pytest.mark.parametrize("share", [0.01, 0.05])
+@pytest.mark.parametrize("end", ["begins", "ends"])
+def test_a_log_that_is_cut_says_so(end: str, share: float, noise: float):
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    whole = log_of(noise=noise)
+    assert progress(moves, MACHINE, trimmed(whole.dt, whole.q))[2] == ()
+    cut = int(share * len(whole.q))
+    log = trimmed(whole.dt, whole.q[:-cut] if end == "ends" else whole.q[cut:])
+    doubts = fit_log(moves, MACHINE, log, figures_of({}, "", "lookahead")).doubts
+    told = [float(each.split()[2]) for each in doubts if each.startswith("X ends") and "is the log cut" in each]
+    missing = abs((log.q[-1, 0] - log.q[0, 0]) - 0.034)
+    assert told == [pytest.approx(1e3 * missing, abs=0.01)]
+    assert noise or doubts[0] == f"the axes are in motion where the log {end}: rows are missing there"
+
+
+def test_a_log_that_comes_back_to_its_end_lacks_way():
+    """The last corner is missing, with rest before and after it."""
+    text = "G21 G90 G94 G61.1\nG0 X0 Y0 Z0 A0 C0\nG1 X40 F4800\nX0\nX40\nX38\nM2\n"
+    moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
+    log = log_of_lines([(0, 0.04), (0, -0.04), (0, 0.038)], 0.08, [A] * 5, [J] * 5, 1e-3)
+    doubts = progress(moves, MACHINE, log)[2]
+    (doubt,) = doubts
+    assert doubt == "the axes go 0.967 times as far in the log as in the program: wide roundings, or are rows missing?"
 
 
 @pytest.mark.parametrize(("seed", "dt", "noise"), [(1, 2e-3, 1e-7), (7, 2e-3, 1e-7), (1, 1e-3, 1e-6), (7, 1e-3, 1e-8)])

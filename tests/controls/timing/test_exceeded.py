@@ -21,7 +21,7 @@ def test_linuxcnc_keeps_no_jerk_in_ramps():
     assert set(found) == {("jerk", "X"), ("jerk", "Z")}
     worst = found["jerk", "X"]
     assert worst.ratio == pytest.approx(A / 1e-3 / J) and worst.where == "ramp" and worst.count == 1
-    assert str(worst) == "jerk of X up to 50 times its limit in the ramps of 1 block, worst at line 3"
+    assert str(worst) == "jerk of X up to 50 times its limit in the ramps of at most 1 block, worst at line 3"
 
 
 def test_the_cycle_of_linuxcnc_is_that_of_its_figures():

@@ -235,6 +235,8 @@ def _say(steps: Steps, found: Fit) -> None:
     steps.say(f"on the way they differ by {format_time(found.misfit)} (root mean square)")
     for each in found.fitted:
         steps.say(str(each))
+    for doubt in found.doubts:
+        steps.say(f"in doubt: {doubt}")
     if not found.fitted:
         steps.say("the measured times tell of no figure more than was known")
     if found.misfit > POOR * found.measured:

@@ -75,7 +75,7 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
     reached = {name for name, limit in zip(machine.joints, limits) if limit}
     table |= {name: a if name in reached else max(a, before[name]) for name, a in moving.items()}
     start = msgspec.structs.replace(figures, acceleration=table, tolerance=figures.room / MILLIMETRE)
-    far, when = progress(moves, machine, log)
+    far, when, doubts = progress(moves, machine, log)
     ended = np.append(when, log.duration)
     # noise hides where motion begins and ends
     exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
@@ -101,7 +101,8 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
             parameters.append(replace(kept, least=min(shown, 0.0)))
         elif not axis or axis in moving:
             parameters.append(each)
-    return Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
+    found = Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
+    return replace(found, doubts=doubts)
 
 
 def fit_times(

@@ -5,8 +5,9 @@
   velocity within T takes an acceleration of at least D / T and a jerk of at least 4 D / T^2; one of acceleration takes
   its T-th part.
 * Ramps: LinuxCNC (planner 0) and a Sinumerik with BRISK keep no jerk: the acceleration a of an axis begins within a
-  cycle, with a jerk of at least a / T. Factors for rapids, and figures of the controller's file, may be above the
-  machine's limits.
+  cycle, with a jerk of a / T. Factors for rapids, and figures of the controller's file, may be above the machine's
+  limits. Each block that takes longer than its speed asks for counts with the full acceleration. A short ramp does not
+  reach it, and a block may be slow without a ramp of its own: size and number are the most that there may be.
 * Blocks: LinuxCNC, and a control with `limits = "words"`, keeps the limits of X, Y, Z and the rotary words where these
   are the tip. What joints then do is told from the mean speed of each block: they do at least that.
 """
@@ -44,7 +45,7 @@ class ExceededLimit:
     """velocity, acceleration, jerk"""
     axis: str
     ratio: float
-    """Of the largest over the limit."""
+    """Of the largest over the limit; at least that in corners and blocks, at most that in ramps."""
     where: str
     """corner: between blocks; ramp: wherever the speed of a block rises or falls; block: at the speed of a block."""
     count: int
@@ -54,7 +55,9 @@ class ExceededLimit:
 
     def __str__(self) -> str:
         noun = "corner" if self.where == "corner" else "block"
-        places = f"{'in the ramps of' if self.where == 'ramp' else 'in'} {self.count} {noun}{'s' * (self.count != 1)}"
+        places = f"in {self.count} {noun}{'s' * (self.count != 1)}"
+        if self.where == "ramp":
+            places = f"in the ramps of at most {self.count} {noun}{'s' * (self.count != 1)}"
         return f"{self.kind} of {self.axis} up to {_times(self.ratio)} its limit {places}, worst at line {self.line}"
 
 
