@@ -101,8 +101,8 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
             parameters.append(replace(kept, least=min(shown, 0.0)))
         elif not axis or axis in moving:
             parameters.append(each)
-    found = Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
-    return replace(found, doubts=doubts)
+    fit = Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
+    return replace(fit, doubts=doubts)
 
 
 def fit_times(

@@ -318,13 +318,16 @@ def _compare_course(moves: Commanded, machine: Machine, log: MotionLog, share: f
         raise UsageError(f"log: its axes go {share:.3g} times as far as the program; {cure}")
     off = _end_off(moves, machine, log)
     for axis in np.flatnonzero(off > ELSEWHERE * np.nansum(np.abs(np.diff(log.q, axis=0)), axis=0) + LEAST_OFF):
-        raise UsageError(f"log: {_distance(machine, axis, off[axis])} from where it ends in the program; {cure}")
+        told = _distance(machine, int(axis), float(off[axis]))
+        raise UsageError(f"log: {told} from where it ends in the program; {cure}")
 
 
 def _end_off(moves: Commanded, machine: Machine, log: MotionLog) -> Floats:
-    """(joints,) How far from its beginning each axis ends, less the same of the program [m, rad]; 0 of unlogged ones."""
+    """(joints,) by how much more or less each axis goes from its beginning to its end than in the program [m, rad]; 0
+    where it is not logged."""
     first, last = joint_places(moves, machine, [0, len(moves) - 1])
-    return np.nan_to_num(np.abs((log.q[-1] - log.q[0]) - (last - first)))
+    off: Floats = np.nan_to_num(np.abs((log.q[-1] - log.q[0]) - (last - first)))
+    return off
 
 
 def _distance(machine: Machine, axis: int, off: float) -> str:
@@ -342,9 +345,10 @@ def _signs_of_a_cut(moves: Commanded, machine: Machine, log: MotionLog, share: f
     off = _end_off(moves, machine, log)
     off = np.where(off > NOT_THERE + CERTAIN * np.array([noise_of(column) for column in log.q.T]), off, 0.0)
     for axis in np.flatnonzero(off):
+        told = _distance(machine, int(axis), float(off[axis]))
         found.append(
-            f"{_distance(machine, axis, off[axis])} from where it ends in the program: is the log cut, or does the "
-            "set-up sheet tell another tool or offset than was used?"
+            f"{told} from where it ends in the program: is the log cut, or does the set-up sheet tell another tool or "
+            "offset than was used?"
         )
     if abs(share - 1.0) > SHORTER and not found:
         found.append(

@@ -3,7 +3,8 @@
 Archives in ASCII, INITIAL.INI and printed lists have such lines, with or without numbers, checksums ('3a1f behind the
 value) and comments (Commissioning Manual CNC, 6FC5397-2AP10, chapter 10). $MN data are general, $MC data of a channel
 (of that of CHANDATA(n) before them, or of an index CHn), $MA data of a machine axis (AX1, or its name), $TC_CARR data
-of a swivel data set. An index that is left out is 0.
+of a swivel data set, $NK data of an element of the kinematic chain and $NT data of its transformation (kin.ini). An
+index that is left out is 0.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ DATUM = re.compile(
     r"""(?P<value>"[^"]*"|'[HB][0-9A-F]*'|\([^)]*\)|[^\s"';$]+)?""",
     re.IGNORECASE,
 )
-ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
+ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|N[KT]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 KEPT = re.compile(
     r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
-    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_)""",
+    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_|NT_)""",
     re.IGNORECASE,
 )
 """Beginnings of names that are kept: an archive has some hundred times as many."""
@@ -91,7 +92,8 @@ class MachineData:
         found, count = MachineData(), 0
         for file in files:
             if not has_data(file):
-                raise ControlFileError("has no machine data ($MN_, $MC_, $MA_, $TC_CARR); leave it out", file=file.name)
+                wanted = "$MN_, $MC_, $MA_, $TC_CARR, $NK_, $NT_"
+                raise ControlFileError(f"has no machine data ({wanted}); leave it out", file=file.name)
             channel = 0
             for number, line in enumerate(file.lines, 1):
                 if match := CHANNEL.match(line):
@@ -137,7 +139,7 @@ class MachineData:
 
     @property
     def has_kinematic_chain(self) -> bool:
-        """Whether there are elements of a kinematic chain, which are not read."""
+        """Whether there are elements of a kinematic chain."""
         return any(key[0].startswith("NK_") for key in self.data)
 
     def axis_words(self) -> list[str]:
@@ -163,7 +165,7 @@ class MachineData:
         datum = self.datum(name, number, axes)
         return None if datum is None else datum.figure(unit)
 
-    def vector(self, places: Sequence[tuple[str, int]]) -> Figure | None:
+    def vector(self, places: Sequence[tuple[str, int] | tuple[str, int, tuple[str, ...]]]) -> Figure | None:
         """Three numbers under these names and indices; those that are missing are 0, and None is for all three."""
         data = [self.datum(*place) for place in places]
         present = [datum for datum in data if datum is not None]
