@@ -24,7 +24,8 @@ MOST_OBJECTS = 20_000
 ATTRIBUTES = frozenset({
     "key", "rapidFeed", "maxAcceleration", "axPathJerk", "axPathJerkHi", "swLimitSwitchPos", "swLimitSwitchNeg",
     "isModulo", "maxPathJerk", "maxPathJerkHi", "maxG1Feed", "minPathFeed", "minCornerFeed", "subKinList", "kinObjects",
-    "dir", "val", "axisRef",
+    "dir", "val", "axisRef", "axesToolSide", "trafoToolSide", "toolCoordSys", "axesWpSide", "trafoWpSide",
+    "machineTableSys", "location", "zDir", "xDir", "angle1", "angle2", "angle3",
 })  # fmt: skip
 """Attributes of configuration objects that are read; all others are passed over."""
 PARAMETER = re.compile(r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)", re.IGNORECASE)
