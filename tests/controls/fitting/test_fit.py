@@ -15,14 +15,8 @@ from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
 from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
-from toolpace.controls.fitting.measured import (
-    MotionLog,
-    WrittenTime,
-    load_log,
-    progress,
-    sustained_accelerations,
-    trimmed,
-)
+from toolpace.controls.fitting.motion_log import MotionLog, load_log, progress, sustained_accelerations, trimmed
+from toolpace.controls.fitting.written_times import WrittenTime
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves, with_range
 from toolpace.programs.commanded import Commanded
@@ -280,6 +274,17 @@ def test_stated_ends_hold_95_of_100_controls():
         assert jerk.name == "jerk"
         held += jerk.least <= math.exp(j) <= jerk.most
     assert held >= 95
+
+
+def test_a_total_below_its_operations_counts_once():
+    moves = lines([(k % 3, 0.0015 * (-1) ** k) for k in range(6)])
+    figures = figures_of({}, "", "lookahead")
+    times = [part.time for part in time_of_moves(moves, MACHINE, figures).parts]
+    written = [WrittenTime(f"T{k + 1}", 1.1 * time, 0.01) for k, time in enumerate(times)]
+    alone = fit_times(moves, MACHINE, written, figures)
+    assert fit_times(moves, MACHINE, [*written, WrittenTime("", 1.1 * sum(times), 0.01)], figures) == alone
+    with pytest.raises(UsageError, match=r"the total is 5\.00 s, and the operations take .* together; leave out"):
+        fit_times(moves, MACHINE, [*written, WrittenTime("", 5.0, 0.01)], figures)
 
 
 def test_an_operation_is_written_as_often_as_it_is_there():

@@ -1,21 +1,9 @@
-"""What was measured of a program on a control: times of operations as written down, or a log of axis positions.
-
-Times are a line each, with the operation and its time:
-
-    Face the top, 1:23
-    "Pocket, rough"; 2 min 5 s
-    Drill        83.4 s
-    total        6:10
-
-A time is minutes and seconds (1:23), hours too (1:02:03), or figures with their units (h, min, s). How exact it is
-follows from its last digit: 1:23 to a second, 83.4 s to a tenth, 2 min to a minute.
-"""
+"""A log of axis positions that was measured while a control ran a program, and what it tells without a model."""
 
 from __future__ import annotations
 
 import csv
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,34 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.common.errors import UsageError, printable
+from toolpace.common.errors import UsageError
 from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.controls.fitting.written_times import written_time
 from toolpace.controls.timing.axis_motion import axis_ways, joint_places
 from toolpace.programs.commanded import Commanded
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-TOTAL = ("", "total", "all", "program", "sum")
-"""Names of the whole program."""
-LONGEST = 1e7
-"""[s]: a longer time is a slip."""
-LONGEST_LINE = 1000
-"""Characters of a line with a time: looking for a time takes as long as their square."""
-HOUR, MINUTE = 3600.0, 60.0
-_FIGURE = r"\d+(?:[.,]\d+)?"
-_CLOCK = re.compile(r"(?:(?P<h>\d+):)?(?P<min>\d+):(?P<s>[0-5]\d(?:[.,]\d+)?)")
-_UNITS = re.compile(
-    rf"(?:(?P<h>{_FIGURE})\s*h(?:ours?)?)?\s*(?:(?P<min>{_FIGURE})\s*m(?:in(?:utes?)?)?\.?)?"
-    rf"\s*(?:(?P<s>{_FIGURE})\s*s(?:ec(?:onds?)?)?\.?)?",
-    re.IGNORECASE,
-)
-_TIME_AT_END = re.compile(
-    rf"(?P<time>(?:\d+:)?\d+:\d\d(?:[.,]\d+)?|{_FIGURE}\s*(?:h(?:ours?)?|m(?:in(?:utes?)?)?\.?|s(?:ec(?:onds?)?)?\.?)"
-    rf"(?:\s*{_FIGURE}\s*(?:m(?:in(?:utes?)?)?\.?|s(?:ec(?:onds?)?)?\.?)){{0,2}})\s*[;,]*\s*$",
-    re.IGNORECASE,
-)
 TIMES = ("t", "time")
 """Headings of the column of times in a log."""
 LEAST_ROWS = 20
@@ -89,69 +59,6 @@ is reached. Of a triangle 6 percent are, of half a sine wave 22."""
 
 
 @dataclass(frozen=True)
-class WrittenTime:
-    """A time that was written down."""
-
-    operation: str
-    """Empty of the whole program."""
-    seconds: float
-    resolution: float
-    """Unit of the last digit that is written [s]."""
-
-    @property
-    def deviation(self) -> float:
-        """Standard deviation of what was left out by rounding [s]."""
-        return self.resolution / math.sqrt(12.0)
-
-
-def written_time(text: str, operation: str = "") -> WrittenTime | None:
-    """The time that a text is: `1:23`, `83 s`, `2 min`; None where it is none."""
-    words = text.strip()
-    found = _CLOCK.fullmatch(words) or _UNITS.fullmatch(words)
-    if found is None or not words:
-        return None
-    seconds, resolution = 0.0, math.inf
-    for name, unit in (("h", HOUR), ("min", MINUTE), ("s", 1.0)):
-        if (figure := found[name]) is not None:
-            figure = figure.replace(",", ".")
-            seconds += float(figure) * unit
-            resolution = unit * 10.0 ** -len(figure.partition(".")[2])
-    return WrittenTime(operation, seconds, resolution) if 0.0 < seconds < LONGEST else None
-
-
-def load_written_times(path: str | Path) -> list[WrittenTime]:
-    """The times of a file (text or CSV). Raises UsageError naming file, line and cure."""
-    try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        cure = "check the path, or give one time, such as 3:12 or 83 s"
-        raise UsageError(f"--fit {path}: cannot be read ({reason(error)}); {cure}") from None
-    except UnicodeDecodeError:
-        raise UsageError(f"--fit {path}: no text (UTF-8); save it as text or CSV") from None
-    found: list[WrittenTime] = []
-    for number, line in enumerate(lines, start=1):
-        words = line.partition("#")[0].strip()
-        if not words or (not found and not any(map(str.isdigit, words))):
-            continue  # of a heading, too
-        at_end = _TIME_AT_END.search(words) if len(words) <= LONGEST_LINE else None
-        time = None if at_end is None else written_time(at_end["time"])
-        if at_end is None or time is None:
-            raise UsageError(
-                f"--fit {path}:{number}: '{printable(words[:60])}' ends with no time; write an operation and its time, "
-                "such as: Pocket, 1:23 (or 83 s, 2 min 5 s). A log of the axes begins with a line that names its "
-                "columns: t and the joints"
-            )
-        before = words[: at_end.start()]
-        if before.endswith("-"):
-            raise UsageError(f"--fit {path}:{number}: '{printable(words[:60])}' is below zero; write it without -")
-        name = before.rstrip(",;:=- \t").strip().strip("\"'").strip()
-        found.append(WrittenTime("" if name.lower() in TOTAL else name, time.seconds, time.resolution))
-    if not found:
-        raise UsageError(f"--fit {path}: there is no time in it; write an operation and its time: Pocket, 1:23")
-    return found
-
-
-@dataclass(frozen=True)
 class MotionLog:
     """Joint positions at equal times, from the last row at rest to the first at rest again."""
 
@@ -169,14 +76,17 @@ class MotionLog:
 def load_log(path: str | Path, machine: Machine) -> MotionLog:
     """A table (CSV): a column `t` in seconds, and one in mm or degrees for each joint, by its name.
 
-    Other columns are passed over. Raises UsageError naming file, line and cure.
+    Between semicolons or tabs figures may have a decimal comma. Other columns are passed over. Raises UsageError naming
+    file, line and cure.
     """
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as stream:
-            lines = csv.reader(stream)
-            columns, time = _columns(next(lines, []), machine, str(path))
+            header = stream.readline()
+            separator = _separator(header)
+            columns, time = _columns(next(csv.reader([header], delimiter=separator), []), machine, str(path))
             wanted = [time, *columns.values()]
-            rows = [_row(row, wanted, number, str(path)) for number, row in enumerate(lines, start=2) if row]
+            lines = enumerate(csv.reader(stream, delimiter=separator), start=2)
+            rows = [_row(row, wanted, separator, number, str(path)) for number, row in lines if row]
     except OSError as error:
         raise UsageError(f"log {path}: cannot be read ({reason(error)}); check the path") from None
     except (UnicodeDecodeError, csv.Error):
@@ -198,10 +108,15 @@ def is_log(path: str | Path, machine: Machine) -> bool:
             line = stream.readline(10_000)
     except (OSError, UnicodeDecodeError):
         return False
-    names = [name.strip() for name in line.split(",")]
+    names = [name.strip() for name in line.split(_separator(line))]
     if len(names) < 2 or written_time(names[-1]) is not None:
         return False
     return not {TIMES[0], *machine.joints}.isdisjoint(names)
+
+
+def _separator(header: str) -> str:
+    """What stands between the cells of a table with this header."""
+    return next((each for each in ";\t" if each in header), ",")
 
 
 def _columns(header: Sequence[str], machine: Machine, source: str) -> tuple[dict[str, int], int]:
@@ -216,9 +131,10 @@ def _columns(header: Sequence[str], machine: Machine, source: str) -> tuple[dict
     return joints, time
 
 
-def _row(row: Sequence[str], wanted: Sequence[int], number: int, source: str) -> list[float]:
+def _row(row: Sequence[str], wanted: Sequence[int], separator: str, number: int, source: str) -> list[float]:
+    point = "." if separator == "," else ","
     try:
-        values = [float(row[column]) for column in wanted]
+        values = [float(row[column].replace(point, ".")) for column in wanted]
     except (ValueError, IndexError):
         values = [math.nan]
     if not all(map(math.isfinite, values)) or max(map(abs, values[1:])) > FARTHEST:
