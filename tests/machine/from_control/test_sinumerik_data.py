@@ -49,6 +49,22 @@ def test_a_datum_is_read_however_it_is_written(line, tmp_path):
     assert _joint(_read(tmp_path, [*lines, line]), "X").velocity == pytest.approx(0.2, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    "line", ["N32000 $MA_MAX_AX_VELO AX4=12000", "$MA_MAX_AX_VELO(AX4)=12000", "$MA_MAX_AX_VELO[AX4=1"]
+)
+def test_a_line_that_assigns_nothing_is_told(line, tmp_path):
+    draft = _read(tmp_path, [*(each for each in LINES if "VELO[AX4]" not in each), line])
+    assert _asked(draft) == ["velocity of X [mm/s]"]
+    (told,) = (each for each in draft.record.remarks if "assign nothing" in each)
+    assert told.startswith("Lines that name machine data and assign nothing: 1, ") and line in told
+
+
+@pytest.mark.parametrize("off", ["#", "//", ";"])
+def test_lines_that_are_switched_off_do_not_count(off, tmp_path):
+    draft = _read(tmp_path, [each.replace("N32000", f"{off} N32000") for each in LINES])
+    assert "velocity of X [mm/s]" in _asked(draft) and not draft.record.remarks
+
+
 def test_each_figure_says_its_file_and_line(tmp_path):
     text = _read(tmp_path, LINES).text
     line = next(number for number, line in enumerate(LINES, 1) if "MINUS[AX4]" in line)

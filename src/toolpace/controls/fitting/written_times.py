@@ -134,8 +134,8 @@ def _of_line(words: str, units: Mapping[int, str], columns: int, where: str) -> 
     found = None if at_end is None else written_time(at_end["time"])
     if at_end is None or found is None:
         raise UsageError(
-            f"{where} ends with no time; write an operation and its time, such as: Pocket, 1:23 (or 83 s, 2 min 5 s). A "
-            "log of the axes begins with a line that names its columns: t and the joints"
+            f"{where} ends with no time; write an operation and its time, such as: Pocket, 1:23 (or 83 s, 2 min 5 s). "
+            "A log of the axes begins with a line that names its columns: t and the joints"
         )
     before = words[: at_end.start()]
     if before.endswith("-"):

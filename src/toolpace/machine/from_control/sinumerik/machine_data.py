@@ -22,6 +22,8 @@ DATUM = re.compile(
     r"""(?P<value>"[^"]*"|'[HB][0-9A-F]*'|\([^)]*\)|[^\s"';$]+)?""",
     re.IGNORECASE,
 )
+SWITCHED_OFF = ("#", "//")
+"""Beginnings of lines that a person switched off."""
 ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|N[KT]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 KEPT = re.compile(
     r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
@@ -85,6 +87,8 @@ class MachineData:
 
     data: dict[Key, list[Datum]] = field(default_factory=dict)
     channel: int = 0
+    strange: list[Origin] = field(default_factory=list)
+    """Lines that name a datum and assign nothing to it."""
 
     @staticmethod
     def of(files: Iterable[ControlFile]) -> MachineData:
@@ -98,7 +102,7 @@ class MachineData:
             for number, line in enumerate(file.lines, 1):
                 if match := CHANNEL.match(line):
                     channel = int(match[1] or match[2])
-                if "$" in line and KEPT.search(line):
+                if "$" in line and KEPT.search(line) and not line.lstrip().startswith(SWITCHED_OFF):
                     count += 1
                     found._add(file, number, COMMENT.sub(r"\1", line), channel)
                     if count > MOST:
@@ -110,6 +114,8 @@ class MachineData:
 
     def _add(self, file: ControlFile, line: int, text: str, channel: int) -> None:
         """Keep what a line assigns."""
+        if KEPT.search(text) and not DATUM.search(text):
+            self.strange.append(Origin(f"'{text.strip()[:SHOWN]}'", file.name, line))
         for match in DATUM.finditer(text):
             name = match["name"].upper()
             if not KEPT.match("$" + name):

@@ -257,6 +257,10 @@ def _add_remarks(
     record: MachineRecord,
 ) -> None:  # fmt: skip
     """What a person should know: axes that are no joints, data of no axis, and turns against ISO 841."""
+    if data.strange:
+        record.remarks.append(
+            f"Lines that name machine data and assign nothing: {len(data.strange)}, the first is {data.strange[0]}."
+        )
     others = [axis.name for axis in axes.values() if axis not in joints.values()]
     if others:
         record.remarks.append(f"No joints of this machine: {', '.join(others)}.")
