@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
-PLAYER = tuple(f"player/{name}.js" for name in ("arrays", "motion", "timeline", "scene", "program", "player", "page"))
+SCRIPTS = ("arrays", "motion", "timeline", "way", "scene", "program", "player", "page")
+PLAYER = tuple(f"player/{name}.js" for name in SCRIPTS)
 """Scripts of the page, in the order in which they stand on each other."""
 
 

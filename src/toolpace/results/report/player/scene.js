@@ -2,15 +2,17 @@
 const CAMERAS = ["part", "machine", "tool"];
 const GROUND = "#1a222e", RAPID = "#8794a8";
 const LONGEST_PATH = 250000;
-const MOST_BROAD = 60000;  // lines that are drawn two pixels wide: of more, a computer without graphics takes too long
+const SHADES = 24;  // of speed, within which samples are one line
 const REACH = 12;  // pixels around a click within which the path is found
 
 class Space {
   constructor(player, element) {
     this.player = player;
     this.element = element;
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    // a computer without graphics draws thin lines with steps, and keeps up
+    this.plain = drawsBySoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.plain, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(window.devicePixelRatio || 1, 2));
     element.prepend(this.renderer.domElement);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 1, 1e5);
@@ -49,12 +51,17 @@ class Space {
     const rough = motion.samples(Infinity, LONGEST_PATH).tips;
     const whole = new THREE.Box3().setFromPoints(rough.map((p) => new THREE.Vector3(...p)));
     const size = Math.max(whole.getSize(new THREE.Vector3()).length(), 1);
-    const { times, tips } = motion.samples(Math.max(2e-4 * size, 2e-3), LONGEST_PATH);
-    this.times = Float64Array.from(times);
-    this.tips = tips;
-    this.kinds = times.map((t, k) => (k ? player.kindAt(0.5 * (t + times[k - 1])) : 0));
-    const cut = tips.filter((_, k) => k && this.kinds[k] === 0);
-    this.box = trimmed(cut.length > 1 ? cut : tips);
+    const off = Math.max(2e-4 * size, 2e-3), found = motion.samples(off, LONGEST_PATH);
+    const kept = straightened(found.times, found.tips, 0.2 * off, (k) => {
+      const middle = 0.5 * (found.times[k] + found.times[k - 1]);
+      const speed = distance(found.tips[k], found.tips[k - 1]) / Math.max(found.times[k] - found.times[k - 1], 1e-9);
+      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)}`;
+    });
+    this.times = Float64Array.from(kept, (k) => found.times[k]);
+    this.tips = kept.map((k) => found.tips[k]);
+    this.kinds = Array.from(this.times, (t, k) => (k ? player.kindAt(0.5 * (t + this.times[k - 1])) : 0));
+    const cut = this.tips.filter((_, k) => k && this.kinds[k] === 0);
+    this.box = trimmed(cut.length > 1 ? cut : this.tips);
     this.size = Math.max(this.box.getSize(new THREE.Vector3()).length(), 1);
   }
 
@@ -66,7 +73,7 @@ class Space {
       const points = new Float32Array(6 * ends.length);
       ends.forEach((k, i) => { points.set(this.tips[k - 1], 6 * i); points.set(this.tips[k], 6 * i + 3); });
       const look = { vertexColors: true, ...(name === "rapid" ? { transparent: true, opacity: 0.4 } : {}) };
-      const broad = name === "cutting" && ends.length <= MOST_BROAD;
+      const broad = name === "cutting" && !this.plain;
       const line = broad ? new THREE.LineSegments2(new THREE.LineSegmentsGeometry().setPositions(points), new THREE.LineMaterial({ linewidth: 2, ...look }))
         : new THREE.LineSegments(new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(points, 3)), new THREE.LineBasicMaterial(look));
       line.frustumCulled = false;
@@ -87,8 +94,7 @@ class Space {
         if (name === "rapid") ink.set(RAPID);
         else if (player.colouring === "limits") ink.set(player.limitColour(middle));
         else {
-          const step = Math.hypot(...this.tips[k].map((v, c) => v - this.tips[k - 1][c]));
-          const speed = (60 * step) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
+          const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
           ink.set(speedColour(Math.min(speed / player.usual, 1)));
         }
         colours.set([ink.r, ink.g, ink.b, ink.r, ink.g, ink.b], 6 * i);
@@ -314,6 +320,14 @@ class Space {
   }
 }
 
+function drawsBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 function set(group, m) {
   group.matrix.set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
   group.matrixWorldNeedsUpdate = true;
@@ -338,24 +352,4 @@ function framed(x, z, point) {
   if (y.length() < 1e-6) y.set(0, 1, 0);
   y.normalize();
   return new THREE.Matrix4().makeBasis(x, y, new THREE.Vector3().crossVectors(x, y)).setPosition(point);
-}
-
-// The box around points, but for the hundredth that lies farthest out on each side where the box is much smaller so.
-function trimmed(points) {
-  const box = new THREE.Box3();
-  for (const k of [0, 1, 2]) {
-    const v = Float64Array.from(points, (p) => p[k]).sort(), n = v.length;
-    const low = v[Math.floor(0.01 * (n - 1))], high = v[Math.ceil(0.99 * (n - 1))];
-    const name = "xyz"[k], wide = v[n - 1] - v[0] > 3 * Math.max(high - low, 1e-9);
-    box.min[name] = wide ? low : v[0];
-    box.max[name] = wide ? high : v[n - 1];
-  }
-  return box;
-}
-
-// Blue to yellow, of a lightness that rises evenly on the dark ground: also for those who see no red or green.
-const RAMP = [[72, 112, 214], [58, 138, 206], [72, 164, 186], [124, 188, 148], [196, 210, 96], [255, 232, 72]];
-function speedColour(share) {
-  const x = share * (RAMP.length - 1), k = Math.min(Math.floor(x), RAMP.length - 2), u = x - k;
-  return `rgb(${RAMP[k].map((v, c) => Math.round(v + u * (RAMP[k + 1][c] - v))).join(",")})`;
 }
