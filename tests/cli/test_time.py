@@ -248,10 +248,10 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     cut = tmp_path / "cut.toml"
     lines = (tmp_path / "log.csv").read_text().splitlines()
     (tmp_path / "log.csv").write_text("\n".join(lines[:-50]))
-    said = printed(capsys, *fit, "--write-controller", strcut)
+    said = printed(capsys, *fit, "--write-controller", str(cut))
     assert "in doubt: the axes are in motion where the log ends" in " ".join(said.split())
     assert cut.read_text().startswith("# in doubt: the axes are in motion where the log ends: rows are missing")
-    assert Controller.loadcut.time["model"] == "lookahead"
+    assert Controller.load(cut).time["model"] == "lookahead"
 
 
 @pytest.mark.parametrize("model", ["linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal"])
