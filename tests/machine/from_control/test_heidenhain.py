@@ -273,6 +273,31 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
     assert min(outcomes.values()) > 10
 
 
+@pytest.mark.parametrize("value", ["39.6 m/min", "39 600 ; rapid", "39,600 39,600"])
+def test_a_figure_with_something_behind_it_is_refused(value, tmp_path):
+    with pytest.raises(ControlFileError, match=r"MP1010.0 = 39\S* has '.*' behind it; give the number alone"):
+        _read(tmp_path, parameters_text(MIXED, {"MP1010.0": value}), TABLE)
+
+
+@pytest.mark.parametrize("comment", ["; mm/min", "(rapid)", "# rapid", "// rapid", "-- rapid", ""])
+def test_a_comment_may_stand_behind_a_figure(comment, tmp_path):
+    text = parameters_text(MIXED).replace("; comment", comment)
+    assert _read(tmp_path, text, TABLE).machine.file.joints == _read(tmp_path, PARAMETERS, TABLE).machine.file.joints
+
+
+@pytest.mark.parametrize("line", ["MP101O.0 : 39600", "MP1010.0 :", "MP1010.0 39600"])
+def test_a_parameter_without_a_value_is_told(line, tmp_path):
+    draft = _read(tmp_path, parameters_text(MIXED, {"MP1010.0": None}) + line + "\n", TABLE)
+    assert [each.what for each in draft.stand_ins] == ["velocity of X [mm/s]"]
+    (told,) = (each for each in draft.record.remarks if "have no value" in each)
+    assert told.endswith(f"'{line}'.")
+
+
+def test_attributes_may_be_in_small_letters(tmp_path):
+    small = OBJECTS.replace("rapidFeed", "rapidfeed")
+    assert _read(tmp_path, small).machine.file.joints == _read(tmp_path, OBJECTS).machine.file.joints
+
+
 def test_a_row_of_kinematics_without_its_number_is_refused(tmp_path):
     row = next(line for line in TABLE.splitlines() if "Trans" in line)
     for odd in ("1b Trans A 45", row.lstrip("0123456789 ")):

@@ -42,6 +42,9 @@ def _asked(draft):
         "  n32000  $ma_max_ax_velo[ 0 , ax4 ] = 'H2EE0'",
         "N32000 $MA_MAX_AX_VELO[X]=12000.000",
         "$MA_MAX_AX_VELO[AX4,0]=1.2e4$MN_OTHER=1",
+        "$MA_MAX_AX_VELO[AX4]=12000 mm/min",
+        "$MA_MAX_AX_VELO[AX4]=12000 'ff N32010 $MA_OTHER[AX4]=1",
+        "$MA_MAX_AX_VELO[AX4]=12000 (rapid)",
     ],
 )
 def test_a_datum_is_read_however_it_is_written(line, tmp_path):
@@ -57,6 +60,13 @@ def test_a_line_that_assigns_nothing_is_told(line, tmp_path):
     assert _asked(draft) == ["velocity of X [mm/s]"]
     (told,) = (each for each in draft.record.remarks if "assign nothing" in each)
     assert told.startswith("Lines that name machine data and assign nothing: 1, ") and line in told
+
+
+@pytest.mark.parametrize("value", ["12 m/min", "200 mm/s", "12 000", "12000 12000"])
+def test_a_figure_with_something_behind_it_is_refused(value, tmp_path):
+    lines = [*(each for each in LINES if "VELO[AX4]" not in each), f"$MA_MAX_AX_VELO[AX4]={value}"]
+    with pytest.raises(ControlFileError, match=r"= \d+ has '.*' behind it; give the number alone"):
+        _read(tmp_path, lines)
 
 
 @pytest.mark.parametrize("off", ["#", "//", ";"])

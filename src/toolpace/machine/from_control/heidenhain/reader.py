@@ -234,6 +234,10 @@ def _add_remarks(texts: Texts, record: MachineRecord, letters: dict[str, int], p
         record.remarks.append("MP100 names axis 1 by its last letter (assumption).")
     if any("subKinList" in each.attributes for each in texts.objects):
         record.remarks.append("axisRef, dir, val of kinematic objects are axis, direction and value (assumption).")
+    if texts.strange:
+        record.remarks.append(
+            f"Lines that begin as a parameter and have no value: {len(texts.strange)}, the first is {texts.strange[0]}."
+        )
     if texts.inch_table is not None:
         record.remarks.append(f"{texts.inch_table}: lengths of the kinematics table are inches.")
     if not texts.table_ends:

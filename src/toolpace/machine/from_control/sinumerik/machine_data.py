@@ -24,6 +24,14 @@ DATUM = re.compile(
 )
 SWITCHED_OFF = ("#", "//")
 """Beginnings of lines that a person switched off."""
+OWN_UNIT = re.compile(
+    r"mm|in(?:ch(?:es)?)?|deg(?:rees?)?|grad|m?s|%|(?:mm|in(?:ch)?|deg|rev|u|1)/min|rpm"
+    r"|(?:m|in(?:ch)?|rev|umdr)/s(?:\^|\*\*)?[23²³]",
+    re.IGNORECASE,
+)
+"""What a listing writes behind a value that is in the unit of the control."""
+BEHIND = re.compile(r"\s*(?:'[0-9A-F]{1,4}\b)?\s*(?!N\d+\s*\$|\(|//|#)([^\s$]*)", re.IGNORECASE)
+"""A word behind a value and its checksum that is neither the next datum nor a remark."""
 ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|N[KT]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 KEPT = re.compile(
     r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
@@ -47,9 +55,15 @@ class Datum:
 
     text: str
     origin: Origin
+    behind: str = ""
+    """A word behind the value that is no unit of the control."""
 
     def number(self) -> float:
         """As a number; TRUE is 1, 'H1F' and 'B101' are whole numbers. Raises ControlFileError."""
+        if self.behind:
+            raise self.origin.error(
+                f"= {self.text[:20]} has '{self.behind[:20]}' behind it; give the number alone, in the control's unit"
+            )
         word = self.text.strip("() ").upper()
         if word in ("TRUE", "FALSE"):
             return float(word == "TRUE")
@@ -132,7 +146,9 @@ class MachineData:
                     others.append(part)
             key = (name, int(numbers[0]) if numbers else 0, ",".join(others + numbers[1:]),
                    of if name.startswith("MC_") else 0)  # fmt: skip
-            self.data.setdefault(key, []).append(Datum(match["value"] or "", Origin(shown, file.name, line)))
+            word = found[1] if (found := BEHIND.match(text, match.end())) else ""
+            behind = "" if OWN_UNIT.fullmatch(word) else word
+            self.data.setdefault(key, []).append(Datum(match["value"] or "", Origin(shown, file.name, line), behind))
 
     @property
     def channels(self) -> list[int]:
