@@ -158,6 +158,20 @@ def test_chains_that_cannot_be_meant_are_refused(values: dict[str, str | None], 
         _read(tmp_path, changed(lines, values))
 
 
+def test_of_two_axes_along_one_direction_the_other_rests(tmp_path: Path):
+    """A quill in the head: its display is zero, and its place in the chain an offset like others."""
+    tool, table = _sides("P", np.random.default_rng(9))
+    plain = _read(tmp_path, _lines(tool, table, [("OFFSET", "", [0.0, 0.0, 1.0], 0.0)]))
+    quill: Element = ("AXIS_LIN", "W1", [0.0, 0.0, 1.0], 0.0)
+    for place in (0, len(tool) - 1):
+        own = [*tool[:place], quill, *tool[place:]]
+        lines = _lines(own, table, [("OFFSET", "", [0.0, 0.0, 1.0], 0.0)])
+        draft = _read(tmp_path, [*lines, '$MN_AXCONF_MACHAX_NAME_TAB[6]="W1"'])
+        assert draft.machine.file.joints == plain.machine.file.joints
+        (told,) = (each for each in draft.record.remarks if "rests at zero" in each)
+        assert told.startswith("W (") and told.endswith("it moves as Z does.")
+
+
 def test_a_chain_without_a_transformation_is_told(tmp_path: Path):
     tool, table = _sides("P", np.random.default_rng(7))
     lines = _lines(tool, table, [("OFFSET", "", [0.0, 0.0, 1.0], 0.0)])

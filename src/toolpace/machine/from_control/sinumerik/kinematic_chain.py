@@ -15,7 +15,7 @@ are, that of the tool at machine zero, that of the workpiece at its end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +105,7 @@ def kinematic_transformation(
     ]
     chain = _vector_chain(data, number, kind, sides, tool[-1] if tool else None)
     closed = _closed(data, number, chain, {"T": tool, "P": workpiece}, record)
-    return KinematicTransformation(kind, closed, _inputs(sides, axes))
+    return KinematicTransformation(kind, closed, _inputs(sides, axes, record))
 
 
 def _elements(data: MachineData) -> dict[str, Element]:
@@ -352,15 +352,19 @@ def _check_closing(at: Datum, path: Sequence[Element], side: str) -> None:
         raise at.origin.error(f"= {at.text[:20]}: a chain that is not closed {where} is not read")
 
 
-def _inputs(sides: Sequence[_Side], axes: Mapping[int, ChannelAxis]) -> list[tuple[int, Origin]]:
-    """The channel axes that are X, Y and Z."""
+def _inputs(
+    sides: Sequence[_Side], axes: Mapping[int, ChannelAxis], record: MachineRecord
+) -> list[tuple[int, Origin]]:
+    """The channel axes that are X, Y and Z; of two along one direction that which is called so."""
     numbers = {axis.name: number for number, axis in axes.items()}
-
-    def along() -> Iterator[tuple[int, tuple[int, Origin]]]:
-        for side in sides:
-            for element, axis in side.straight:
-                assert element.axis is not None
-                yield int(np.abs(element.vector.vector).argmax()), (numbers[axis.name], element.axis.origin)
-
-    found = dict(along())
-    return [found[place] for place in range(3)] if len(found) == len("XYZ") else []
+    found: dict[int, tuple[Element, ChannelAxis]] = {}
+    for element, axis in (pair for side in sides for pair in side.straight):
+        place = int(np.abs(element.vector.vector).argmax())
+        one, other = (element, axis), found.get(place)
+        if other is not None:
+            one, other = (one, other) if axis.letter == "XYZ"[place] else (other, one)
+            resting = f"{other[1].name} ({other[0].kind.origin})"
+            record.remarks.append(f"{resting} rests at zero: it moves as {one[1].name} does.")
+        found[place] = one
+    named = [(numbers[axis.name], element.kind.origin) for _, (element, axis) in sorted(found.items())]
+    return named if len(named) == len("XYZ") else []
