@@ -29,6 +29,14 @@ def test_the_cycle_of_linuxcnc_is_that_of_its_figures():
     assert found["jerk", "X"].ratio == pytest.approx(A / 2e-3 / J)
 
 
+def test_a_block_that_keeps_one_speed_below_its_feed_has_no_ramp():
+    """Eight quarters of a circle of 10 mm, each as fast as its acceleration allows: the first and the last are ramps."""
+    places = [(10, 10, 0, 10), (0, 20, -10, 0), (-10, 10, 0, -10), (0, 0, 10, 0)] * 2
+    arcs = "".join(f"G3 X{x} Y{y} I{i} J{j} F60000\n" for x, y, i, j in places)
+    found = exceeded(f"G64\n{arcs}", "sinumerik", sinumerik={"brisk": 1.0})
+    assert found["jerk", "X"].count == found["jerk", "Y"].count == 2
+
+
 @pytest.mark.parametrize("model", ["linuxcnc", "lookahead"])
 @pytest.mark.parametrize("feed", ["G94", "G93"])
 def test_blocks_that_the_program_keeps_steady_have_no_ramps(model: str, feed: str):

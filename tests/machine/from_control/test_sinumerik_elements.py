@@ -179,6 +179,15 @@ def test_a_chain_without_a_transformation_is_told(tmp_path: Path):
     assert any("no $NT_TRAFO_TYPE = TRAORI_DYN says where" in remark for remark in draft.record.remarks)
 
 
+def test_of_several_transformations_that_of_five_axis_programs_is_taken(tmp_path: Path):
+    tool, table = _sides("P", np.random.default_rng(7))
+    lines = _lines(tool, table, [("OFFSET", "", [0.0, 0.0, 1.0], 0.0)])
+    other = ['$NT_TRAFO_TYPE[0]="TRAORI_STAT"', '$NT_T_CHAIN_LAST_ELEM[0]="R0"']
+    draft = _read(tmp_path, [*lines, *other])
+    assert draft.machine.file.joints == _read(tmp_path, lines).machine.file.joints
+    assert any("$NT_TRAFO_TYPE[0] = TRAORI_STAT is not read" in remark for remark in draft.record.remarks)
+
+
 def test_swivel_data_of_the_same_axes_must_agree(tmp_path: Path):
     tool, table = _sides("P", np.random.default_rng(8))
     lines = _lines(tool, table, [("OFFSET", "", [0.0, 0.0, 1.0], 0.0)])

@@ -6,8 +6,9 @@
   its T-th part.
 * Ramps: LinuxCNC (planner 0) and a Sinumerik with BRISK keep no jerk: the acceleration a of an axis begins within a
   cycle, with a jerk of a / T. Factors for rapids, and figures of the controller's file, may be above the machine's
-  limits. Each block that takes longer than its speed asks for counts with the full acceleration. A short ramp does not
-  reach it, and a block may be slow without a ramp of its own: size and number are the most that there may be.
+  limits. Each block that takes longer than its speed asks for, and does not keep one speed, counts with the full
+  acceleration, which a short ramp does not reach; the speeds of LinuxCNC's blocks are not known. So size and number are
+  the most that there may be.
 * Blocks: LinuxCNC, and a control with `limits = "words"`, keeps the limits of X, Y, Z and the rotary words where these
   are the tip. What joints then do is told from the mean speed of each block: they do at least that.
 """
@@ -119,7 +120,7 @@ def _in_ramps(
     counted, read = (figures.linuxcnc.cycle, 0.0) if figures.model == "linuxcnc" else (0.0, figures.block_time)
     least = np.maximum(np.maximum(least, moves.time), np.where(moves.rapid, 0.0, read))
     slower = profile.times > least * (1.0 + SLACK) + counted
-    ramps = (slower & (ways.length > 0.0))[:, None] * ways.most
+    ramps = (slower & (ways.length > 0.0) & ~_is_steady(profile, ways.length))[:, None] * ways.most
     acceleration = np.minimum(profile.acceleration, MOST_ACCELERATION)[:, None] * ramps
     cycle = {"sinumerik": figures.sinumerik.cycle, "linuxcnc": figures.linuxcnc.cycle}.get(figures.model, CYCLE)
     with np.errstate(invalid="ignore"):
@@ -129,6 +130,15 @@ def _in_ramps(
         *_exceeded("acceleration", "ramp", acceleration / own.acceleration, machine, moves),
         *_exceeded("jerk", "ramp", jerk / own.jerk, machine, moves),
     ]
+
+
+def _is_steady(profile: MotionProfile, length: Floats) -> Bools:
+    """(n,) whether a block keeps one speed from its beginning to its end; no block of a model without speeds does."""
+    steady, rows = np.zeros(len(length), dtype=bool), np.flatnonzero(length > 0.0)
+    end, mean = profile.corner[rows], length[rows] / np.maximum(profile.times[rows], np.finfo(float).tiny)
+    begin = np.append(0.0, end[:-1])
+    steady[rows] = np.maximum(np.abs(end - mean), np.abs(begin - mean)) <= SLACK * mean
+    return steady
 
 
 def _in_blocks(

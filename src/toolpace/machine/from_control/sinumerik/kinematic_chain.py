@@ -28,7 +28,7 @@ from toolpace.machine.from_control.sinumerik.machine_data import Datum, MachineD
 from toolpace.machine.from_control.sinumerik.vector_chain import CLOSING, SwivelAxis, VectorChain, is_direction
 
 TYPES = ("TRAORI_DYN", "TRAORI_STAT")
-"""Transformations that turn a tool; others are TRANSMIT_K, TRACYL_K and TRAANG_K."""
+"""Transformations that turn a tool, that of five-axis programs first; others are TRANSMIT_K, TRACYL_K and TRAANG_K."""
 KINDS = {(2, 0): "T", (0, 2): "P", (1, 1): "M", (1, 0): "T", (0, 1): "P"}
 """By the number of turning axes on the side of the tool and on that of the workpiece."""
 CLOSE_WORKPIECE, CLOSE_TOOL, TOOL_BY_SPINDLE, TOOL_INVERTED = 7, 8, 19, 20
@@ -96,8 +96,8 @@ def kinematic_transformation(
                 "workpiece are."
             )
         return None
-    (number, kind), *others = found
-    record.remarks += [f"{each.origin} = {each.word()}: the first transformation is taken." for _, each in others]
+    (number, kind), *others = sorted(found, key=lambda each: TYPES.index(each[1].word()))
+    record.remarks += [f"{each.origin} = {each.word()} is not read: {kind.origin} is taken." for _, each in others]
     elements = _elements(data)
     tool, workpiece = _ends(data, number, kind, elements)
     sides = [
