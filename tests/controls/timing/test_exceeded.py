@@ -30,7 +30,7 @@ def test_the_cycle_of_linuxcnc_is_that_of_its_figures():
 
 
 def test_a_block_that_keeps_one_speed_below_its_feed_has_no_ramp():
-    """Eight quarters of a circle of 10 mm, each as fast as its acceleration allows: the first and the last are ramps."""
+    """Eight quarters of a circle of 10 mm, as fast as acceleration allows: the first and the last are ramps."""
     places = [(10, 10, 0, 10), (0, 20, -10, 0), (-10, 10, 0, -10), (0, 0, 10, 0)] * 2
     arcs = "".join(f"G3 X{x} Y{y} I{i} J{j} F60000\n" for x, y, i, j in places)
     found = exceeded(f"G64\n{arcs}", "sinumerik", sinumerik={"brisk": 1.0})
