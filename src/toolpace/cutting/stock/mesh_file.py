@@ -168,6 +168,8 @@ def _by_trimesh(data: bytes, suffix: str, path: Path) -> tuple[Floats, float | N
         meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
         corners = np.concatenate([np.asarray(each.vertices)[np.asarray(each.faces)] for each in meshes] or [_NONE])
         corners = np.ascontiguousarray(corners, dtype=np.float64)
+        if corners.shape[1:] != (3, 3):
+            raise ValueError("its corners do not have three coordinates each")
     # what a library raises of a damaged file is anything at all
     except Exception as error:
         why = in_short(error) or type(error).__name__
