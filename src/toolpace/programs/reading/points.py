@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 import numpy as np
@@ -14,7 +14,8 @@ from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.feeds import LONGEST, SLOWEST, feed_fault
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
-from toolpace.programs.toolpath import Operation, ToolPath, no_normals
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.toolpath import Operation, ToolPath, no_normals, untold
 
 SAME = 1e-12
 """ProgramPoints closer than this [m, rad] are the same point."""
@@ -22,7 +23,6 @@ FARTHEST = 1e3
 """Most of a coordinate [m]: more is a slip of units."""
 AXIS_ROUNDING = 0.02
 """How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
-NOT_LISTED = "tool {} is not on the set-up sheet: it is as long as the machine's own"
 ONLY_TOOL = "the program names no tool: {}, the only one of the set-up sheet, is in the spindle"
 NO_SHEET = (
     "no set-up sheet tells the lengths of tools: each is as long as the machine's own, {:g} mm on {} ([tools] of "
@@ -54,6 +54,8 @@ class ProgramPoints:
     """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
     bow: Floats | None = None
     """(n,) most distance of the way to the point from the straight one [m]; None: all are straight."""
+    spindle: Floats | None = None
+    """(n,) turns per second [1/s], as ToolPath has them; None: nothing tells them."""
 
     def of_one_tool(self, axis: Floats) -> Floats:
         """(n, 3) the tips as they would be with the first tool at unit axes (n, 3): what joints move shows in them."""
@@ -72,14 +74,20 @@ class ProgramFacts:
     blocks: int = 0
     operations: tuple[Operation, ...] = (Operation(),)
     controller: str = ""
+    workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
 
     @staticmethod
     def of(
         findings: Findings, blocks: int, operations: tuple[Operation, ...] = (), controller: str = ""
     ) -> ProgramFacts:
         """With what was found while it was read."""
+        told = findings.told_tools
+        shaped = [
+            each if each.figures is not None or each.tool not in told else replace(each, figures=told[each.tool])
+            for each in operations or (Operation(),)
+        ]
         return ProgramFacts(
-            dict(findings.skipped), findings.assumptions, blocks, operations or (Operation(),), controller
+            dict(findings.skipped), findings.assumptions, blocks, tuple(shaped), controller, findings.workpiece
         )
 
 
@@ -125,6 +133,8 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         tool_length=tool_length,
         bow=np.zeros(len(kept)) if points.bow is None else points.bow[kept],
         normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
+        spindle=untold() if points.spindle is None else points.spindle[kept],
+        workpiece=facts.workpiece,
     )
 
 
@@ -177,7 +187,7 @@ def programmed_lengths(lengths: Floats, machine: Kinematics | None) -> Floats | 
 
 
 class ToolLengths:
-    """The tool table of a set-up sheet, and the machine's own tool for what is not on it."""
+    """The tool table of a set-up sheet, and the machine's own tool for what has no length on it."""
 
     def __init__(self, source: Source, setup: SetUp, machine: Kinematics | None, findings: Findings) -> None:
         self.source, self.setup, self.machine, self.findings = source, setup, machine, findings
@@ -189,11 +199,11 @@ class ToolLengths:
     def along(self, operations: Sequence[Operation], operation: Ints, line: Ints) -> Floats | None:
         """(n,) length of the tool in the spindle on the way to each point [m], from its operation (n,).
 
-        None where the sheet lists no tools. `line` (n,) is for messages. Raises ProgramError where the sheet does not
+        None where the sheet tells no lengths. `line` (n,) is for messages. Raises ProgramError where the sheet does not
         list a tool, and no machine tells another length.
         """
         self.findings.used.tools.update(dict.fromkeys(each.tool for each in operations if each.tool))
-        if not self.setup.tools:
+        if not self.setup.tells_lengths:
             if self.machine is not None:
                 self.findings.assumed(NO_SHEET.format(float(self.machine.tool_length) * 1e3, self.machine.name))
             return None
@@ -216,9 +226,9 @@ class ToolLengths:
         if not tool and len(tools) == 1:
             (only,) = tools
             self.findings.assumed(ONLY_TOOL.format(only))
-            return tools[only].length
+            tool = only
         found = self.setup.tool(tool)
-        if found is not None:
+        if found is not None and found.length is not None:
             return found.length
-        self.findings.assumed(NOT_LISTED.format(tool) if tool else NO_TOOL)
+        self.findings.assumed(self.setup.length_doubt(tool) if tool else NO_TOOL)
         return np.nan if self.machine is None else float(self.machine.tool_length)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.arcs import ROUNDING
-from toolpace.programs.reading.control.feed import Feed, FeedRules
+from toolpace.programs.reading.control.feed import SENSES, Feed, FeedRules
 from toolpace.programs.reading.control.moves import JUMP, RAPID, Moves, Operations, Rate, Stage
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
@@ -17,7 +18,7 @@ from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNS
 from toolpace.programs.reading.coordinates.work_coordinates import Coordinates, Datum, Placement
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.points import NO_SHEET, NOT_LISTED
+from toolpace.programs.reading.points import NO_SHEET
 from toolpace.programs.reading.source import Source
 
 REPEATED = 400_000
@@ -115,6 +116,8 @@ class ControlState:
         self.stage: Stage | None = None
         """What follows the program's contour beside it, where it is not the way itself."""
         self.tool = ""
+        self.sense: int | None = None
+        """In which the spindle turns: 1 clockwise, -1 counterclockwise, 0 not at all; None: no word told it."""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
         self.placement = self.coordinates.placement(self.tool)
         self.moved_in = self.placement
@@ -143,7 +146,7 @@ class ControlState:
         """Read the place of the machine in new coordinates: it stays where it is."""
         self.effort.changes += 1
         old, new = self.placement, self.coordinates.placement(self.tool)
-        if self.coordinates.reckons and not self.setup.tools and self.poses.machine is not None:
+        if self.coordinates.reckons and not self.setup.tells_lengths and self.poses.machine is not None:
             self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3, self.poses.machine.name))
         if new == old:
             return
@@ -188,6 +191,10 @@ class ControlState:
             self.findings.assumed(ZERO_UNSAID)
         self.coordinates.offset = name
         self._replaced()
+
+    def frame_of_stock(self) -> str:
+        """The work offset in force, where the set-up sheet places it; else "", the frame of the part."""
+        return self.coordinates.offset if self.coordinates.offset in self.options.setup.offsets else ""
 
     def add_offset(self, name: str) -> None:
         """A work offset that the program tells and the set-up sheet does not: it counts from the machine's zero."""
@@ -257,8 +264,16 @@ class ControlState:
         if not tool:
             return
         self.findings.used.tools.setdefault(tool)
-        if self.setup.tools and self.setup.tool(tool) is None:
-            self.findings.assumed(NOT_LISTED.format(tool))
+        if doubt := self.setup.length_doubt(tool):
+            self.findings.assumed(doubt)
+
+    def turn_spindle(self, speed: float | None = None, word: str = "") -> None:
+        """S [1/s], or an M function by which the spindle turns; others change nothing."""
+        if speed is not None:
+            self.feed.spindle = speed
+        self.sense = SENSES.get(word, self.sense)
+        told = self.feed.spindle > 0.0 or self.sense == 0
+        self.moves.turn((1.0 if self.sense is None else self.sense) * self.feed.spindle if told else math.nan)
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""
