@@ -72,6 +72,7 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
 
     Returns how many rays do not leave what they enter: none in a closed mesh. Needs free nodes for all crossings.
     """
+    lows, highs, following, pool = field.low, field.high, field.next, field.pool
     wrong = 0
     for k in range(len(offset) - 1):
         begin, end = offset[k], offset[k + 1]
@@ -90,7 +91,7 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
             if winding < 0:
                 break
             if winding == 0 and places[i] > entered:
-                add(field, field.first[d] + k, entered, places[i])
+                add(lows, highs, following, pool, field.first[d] + k, entered, places[i])
         if winding != 0:
             wrong += 1
     return wrong
@@ -99,6 +100,7 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
 @jit()
 def fill_revolved(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> None:
     """Put a convex solid of revolution into an empty field."""
+    lows, highs, following, pool = field.low, field.high, field.next, field.pool
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         for iv in range(field.count[v]):
@@ -107,4 +109,4 @@ def fill_revolved(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> No
                 wu = field.origin[u] + (iu + 0.5) * field.step[u] - tip[u]
                 low, high = chord(pieces, wu * wu + wv * wv, wu * axis[u] + wv * axis[v], axis[d])
                 if low < high:
-                    add(field, field.first[d] + iv * field.count[u] + iu, low + tip[d], high + tip[d])
+                    add(lows, highs, following, pool, field.first[d] + iv * field.count[u] + iu, low + tip[d], high + tip[d])

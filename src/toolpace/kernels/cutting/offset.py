@@ -35,6 +35,7 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
     shift_v = int(round((source.origin[v] - target.origin[v]) / source.step[v]))
     far_u = int(math.ceil(distance / source.step[u])) + 2
     far_v = int(math.ceil(distance / source.step[v])) + 2
+    lows, highs, following, pool = target.low, target.high, target.next, target.pool
     while ray < source.first[d + 1]:
         if target.pool[FREE_COUNT] < 64 * (2 * far_u + 1) * (2 * far_v + 1):
             return ray
@@ -48,7 +49,7 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
                         reach = reach_of(d, di, dj, distance, source)
                         if reach >= 0.0:
                             low, high = source.low[node] - reach, source.high[node] + reach
-                            add(target, target.first[d] + j * mu + i, low, high)
+                            add(lows, highs, following, pool, target.first[d] + j * mu + i, low, high)
             node = source.next[node]
         ray += 1
     return ray
@@ -61,6 +62,7 @@ def shrink(source: Field, target: Field, d: int, distance: float, ray: int) -> i
     nu, nv = source.count[u], source.count[v]
     far_u = int(math.ceil(distance / source.step[u])) + 2
     far_v = int(math.ceil(distance / source.step[v])) + 2
+    lows, highs, following, pool = target.low, target.high, target.next, target.pool
     while ray < target.first[d + 1]:
         if target.pool[FREE_COUNT] < 64 * (2 * far_u + 1) * (2 * far_v + 1):
             return ray
@@ -77,9 +79,9 @@ def shrink(source: Field, target: Field, d: int, distance: float, ray: int) -> i
                         node = source.first[d] + j * nu + i
                         while node >= 0:
                             if source.low[node] < source.high[node]:
-                                subtract(target, ray, begin - reach, source.low[node] + reach, 0.0)
+                                subtract(lows, highs, following, pool, ray, begin - reach, source.low[node] + reach, 0.0)
                                 begin = source.high[node]
                             node = source.next[node]
-                    subtract(target, ray, begin - reach, math.inf, 0.0)
+                    subtract(lows, highs, following, pool, ray, begin - reach, math.inf, 0.0)
         ray += 1
     return ray
