@@ -147,13 +147,13 @@ def slice_arcs(
 @jit()
 def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: float) -> float:
     """The share of the flat end, by area, that moves into material."""
-    rings = min(max(int(math.ceil(radius / cell)), 2), 24)
+    rings = min(max(math.ceil(radius / cell), 2), 24)
     found = 0.0
     if -pose[MOTION, 2] + radius * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1])) <= 0.0:
         return found
     for ring in range(rings):
         r = radius * (ring + 0.5) / rings
-        samples = min(max(int(math.ceil(TURN * r / cell)), 6), 96)
+        samples = min(max(math.ceil(TURN * r / cell), 6), 96)
         inside = 0
         for k in range(samples):
             phi = TURN * (k + 0.5) / samples
@@ -179,14 +179,16 @@ def height_of_border(
             inside = share
         else:
             outside = share
-    return slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
+    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
+    return height
 
 
 @jit()
 def contact(
-    field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float, least: float
+    field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
+    least: float,
 ) -> tuple[int, float, float, float]:
-    """Write the arcs of a pose between two heights: how many there are then; width, depth, the share of the flat end."""
+    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end."""
     last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
     low_phi, high_phi = 0.0, 0.0

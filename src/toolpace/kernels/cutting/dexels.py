@@ -35,7 +35,7 @@ class Field(NamedTuple):
     """(nodes,) where an interval begins; above `high` for a first node without material."""
     high: Floats
     """(nodes,)"""
-    next: Ints
+    following: Ints
     """(nodes,) the next node of the ray, or of what is free; -1: none."""
     pool: Ints
     """(2,) first free node, and how many there are."""
@@ -143,7 +143,7 @@ def lengths(field: Field) -> tuple[float, float, float]:
             while node >= 0:
                 if field.high[node] > field.low[node]:
                     total += field.high[node] - field.low[node]
-                node = field.next[node]
+                node = field.following[node]
         total *= field.step[(d + 1) % 3] * field.step[(d + 2) % 3]
         found = (total if d == 0 else found[0], total if d == 1 else found[1], total if d == 2 else found[2])
     return found
@@ -153,17 +153,19 @@ def lengths(field: Field) -> tuple[float, float, float]:
 def depth_on_ray(field: Field, ray: int, place: float, most: float) -> float:
     """How deep a place is in the material of a ray, along it; below zero outside; `most` at most either way."""
     node = ray
-    gap = most
+    gap, depth = most, most
     if field.low[ray] > field.high[ray]:
         return -most
     while node >= 0:
         low, high = field.low[node], field.high[node]
         if place < low:
-            return -min(gap, low - place)
+            depth = -min(gap, low - place)
+            return depth
         if place <= high:
-            return min(most, place - low, high - place)
+            depth = min(most, place - low, high - place)
+            return depth
         gap = min(most, place - high)
-        node = field.next[node]
+        node = field.following[node]
     return -gap
 
 
@@ -180,7 +182,8 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float) -> float:
     for d in range(3):
         outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.count[d])
         if outside > 0.0:
-            return -min(outside, most)
+            best = -min(outside, most)
+            return best
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.count[u] - 1.0)

@@ -90,7 +90,7 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
     """
     radius = widest_of(pieces)
     z0, z1 = near_box(field, pieces, tip, axis, radius)
-    lows, highs, following, pool = field.low, field.high, field.next, field.pool
+    lows, highs, following, pool = field.low, field.high, field.following, field.pool
     volume = 0.0
     if z0 > z1:
         return volume
@@ -103,8 +103,8 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
             tip[u] + z0 * axis[u], tip[v] + z0 * axis[v], (z1 - z0) * axis[u], (z1 - z0) * axis[v], radius
         )
         top, bottom = max(shadow.v, shadow.v + shadow.dv) + radius, min(shadow.v, shadow.v + shadow.dv) - radius
-        begin = max(int(math.ceil((bottom - field.origin[v]) / sv - 0.5)), 0)
-        end = min(int(math.floor((top - field.origin[v]) / sv - 0.5)), field.count[v] - 1)
+        begin = max(math.ceil((bottom - field.origin[v]) / sv - 0.5), 0)
+        end = min(math.floor((top - field.origin[v]) / sv - 0.5), field.count[v] - 1)
         seen = 0.0
         for iv in range(begin, end + 1):
             at_v = field.origin[v] + (iv + 0.5) * sv
@@ -112,8 +112,8 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
             if low > high:
                 continue
             wv = at_v - tip[v]
-            left = max(int(math.ceil((low - field.origin[u]) / su - 0.5)), 0)
-            right = min(int(math.floor((high - field.origin[u]) / su - 0.5)), field.count[u] - 1)
+            left = max(math.ceil((low - field.origin[u]) / su - 0.5), 0)
+            right = min(math.floor((high - field.origin[u]) / su - 0.5), field.count[u] - 1)
             for iu in range(left, right + 1):
                 ray = first_ray + iv * across + iu
                 if lows[ray] > highs[ray]:
