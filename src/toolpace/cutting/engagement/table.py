@@ -40,3 +40,7 @@ class Engagement:
     """(n,) most width of the cut across the feed, in any slice [m]."""
     depth: Floats
     """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
+    penetration: Floats
+    """(n, 3) how deep cutting part, shank and holder are in material before the station is cut [m], by the way to the
+    nearest surface: what a rapid, a shank or a holder must not be. A shank or a holder in material removes it too, so
+    that a collision is told where it happens, not at each later pass."""
