@@ -41,6 +41,6 @@ class Engagement:
     depth: Floats
     """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
     penetration: Floats
-    """(n, 3) how deep cutting part, shank and holder are in material before the station is cut [m], by the way to the
-    nearest surface: what a rapid, a shank or a holder must not be. A shank or a holder in material removes it too, so
-    that a collision is told where it happens, not at each later pass."""
+    """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
+    of them within material to its surface. They remove nothing themselves; what they met is cut at the end of a stretch,
+    as a stretch of its own, so that a collision is told once and with its whole depth."""
