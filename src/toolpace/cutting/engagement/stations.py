@@ -51,6 +51,10 @@ class Stations:
         """Stations from `first` up to, not including, `last`."""
         return Stations(*(getattr(self, each.name)[first:last] for each in fields(self)))
 
+    def where(self, kept: Bools) -> Stations:
+        """Those stations that are `kept` (n,)."""
+        return Stations(*(getattr(self, each.name)[kept] for each in fields(self)))
+
 
 def motion_stations(
     trajectory: Trajectory, toolpath: ToolPath, spacing: float, reach: Sequence[float]
@@ -81,15 +85,16 @@ def motion_stations(
             if count > MOST:
                 raise _too_many(spacing)
             parts.append(part)
-    return joined(parts, toolpath)
+    return joined(parts)
 
 
-def joined(parts: Sequence[Stations], toolpath: ToolPath) -> list[Stations]:
+def joined(parts: Sequence[Stations]) -> list[Stations]:
     """Neighbours of one operation and one place of its tool as one part: from one stop to the next the tool stays."""
     found: list[list[Stations]] = []
     for part in parts:
-        before = found[-1][-1] if found else None
-        if before is not None and before.operation[-1] == part.operation[0] and np.allclose(before.tip[-1], part.tip[0]):
+        last = found[-1][-1] if found else None
+        same = last is not None and last.operation[-1] == part.operation[0]
+        if last is not None and same and np.allclose(last.tip[-1], part.tip[0]):
             found[-1].append(part.part(1, len(part)))
         else:
             found.append([part])
@@ -154,7 +159,8 @@ def _moves(tip: Floats, axis: Floats, reach: float) -> Floats:
 
 
 def _too_many(spacing: float) -> UsageError:
-    return UsageError(f"cut: the motion has more than {MOST} places {spacing * 1e3:g} mm apart; give a coarser resolution")
+    apart = f"{spacing * 1e3:g} mm apart"
+    return UsageError(f"cut: the motion has more than {MOST} places {apart}; give a coarser resolution")
 
 
 def _split(s: Floats, count: Ints) -> Floats:

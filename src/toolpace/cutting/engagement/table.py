@@ -42,5 +42,5 @@ class Engagement:
     """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
     penetration: Floats
     """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
-    of them within material to its surface. They remove nothing themselves; what they met is cut at the end of a stretch,
-    as a stretch of its own, so that a collision is told once and with its whole depth."""
+    of them within material to its surface. They remove nothing themselves; what they met is removed at the end of a
+    stretch, so that a collision is told once and with its whole depth."""
