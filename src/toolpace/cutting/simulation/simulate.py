@@ -71,6 +71,8 @@ class CutSimulation:
     """Size of a cell [m]."""
     smallest_contact: float
     """Collisions less deep are not seen [m]."""
+    uncertainty: float
+    """How far the surface of the stock may be from where it is told to be [m]."""
     guessed: bool
     """Whether the stock is a guess: then no time in air and no collision with it is concluded."""
     assumed: tuple[str, ...] = ()
@@ -114,7 +116,9 @@ def cut_along(
     surroundings: Surroundings,
     *,
     resolution: float,
+    uncertainty: float = 0.0,
     guessed: bool = False,
+    assumed: Sequence[str] = (),
     after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
     progress: Callable[[float], None] | None = None,
 ) -> CutSimulation:
@@ -157,7 +161,9 @@ def cut_along(
         left=stock,
         resolution=resolution,
         smallest_contact=UNSEEN * resolution,
+        uncertainty=uncertainty,
         guessed=guessed,
+        assumed=tuple(assumed),
     )
 
 
