@@ -22,9 +22,19 @@ from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import CallersProgress
 from toolpace.cutting.engagement.stations import Stations, motion_stations
 from toolpace.cutting.engagement.table import Engagement
-from toolpace.cutting.simulation.findings import PART, STOCK, Contact, Finding, air_findings, findings_of, worst_first
+from toolpace.cutting.simulation.findings import (
+    PART,
+    STOCK,
+    Contact,
+    Finding,
+    FindingKind,
+    air_findings,
+    findings_of,
+    worst_first,
+)
 from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut, feed_and_rapid, operation_cut
-from toolpace.cutting.simulation.stock_range import Met, Stock, StockRange, ToolParts
+from toolpace.cutting.simulation.stock_range import Met, Stock, StockRange, Solids
+from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
@@ -38,7 +48,7 @@ class ToolInUse:
     """A tool of the program, as the simulation takes it."""
 
     figures: ToolFigures
-    parts: ToolParts
+    profile: ToolProfile
 
 
 @dataclass(frozen=True)
@@ -130,7 +140,7 @@ def cut_along(
     report = CallersProgress(progress)
     reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
     parts = motion_stations(trajectory, toolpath, resolution, reach)
-    before = stock.nominal.volume
+    before = stock.nominal.volume()
     count, done = sum(len(part) for part in parts) or 1, 0
     stretches: list[CutStretch] = []
     findings: list[Finding] = []
@@ -157,7 +167,7 @@ def cut_along(
         stretches=tuple(stretches),
         findings=worst_first(findings),
         stock_volume=before,
-        left_volume=stock.nominal.volume,
+        left_volume=stock.nominal.volume(),
         left=stock,
         resolution=resolution,
         smallest_contact=UNSEEN * resolution,
@@ -184,7 +194,7 @@ class _Cut:
 
     def along(self, stations: Stations, operation: int, rapid: bool) -> tuple[CutStretch, list[Met]]:
         """The stretch, and what the tool met in each of the three stocks."""
-        met = self.stock.meet(self.tool.parts, stations, rapid, self.least)
+        met = self.stock.meet(self.tool.profile, stations, rapid, self.least)
         certain, nominal, possible = (each.engagement for each in met)
         return CutStretch(stations, operation, rapid, nominal, certain, possible, self.resolution), met
 
@@ -203,16 +213,18 @@ class _Cut:
     def with_stock(self, stretch: CutStretch, met: Sequence[Met]) -> Iterator[Contact]:
         """Rapids, shank and holder in the stock, and cuts above the flutes."""
         smallest, nominal, largest = met
-        for name, kind in (("cutting", "rapid"), ("shank", "shank"), ("holder", "holder")):
-            depths: list[Floats] = [getattr(each, name) for each in (smallest, nominal, largest)]
+        above = self.above_flutes(largest.engagement)
+        everywhere = np.ones(len(above), dtype=np.bool_)
+        kinds: tuple[tuple[FindingKind, str, Bools], ...] = (
+            ("rapid", "cutting", everywhere),
+            ("flute", "shank", above),
+            ("shank", "shank", ~above),
+            ("holder", "holder", everywhere),
+        )
+        for kind, part, where in kinds:
+            depths: list[Floats] = [getattr(each, part) for each in (smallest, nominal, largest)]
             depth = np.where(depths[1] > self.least, depths[1], depths[2])
-            depth = np.where(depth > self.least, depth, 0.0)
-            certain: Bools = depths[0] > self.least
-            above = np.zeros(len(depth), dtype=np.bool_)
-            if name == "shank":
-                above = self.above_flutes(largest.engagement)
-                yield Contact("flute", STOCK, np.where(above, depth, 0.0), certain)
-            yield Contact(kind, STOCK, np.where(above, 0.0, depth), certain)  # type: ignore[arg-type]
+            yield Contact(kind, STOCK, np.where(where & (depth > self.least), depth, 0.0), depths[0] > self.least)
 
     def above_flutes(self, engagement: Engagement) -> Bools:
         """(n,) whether the edge is in material up to its end, below a shank that is no wider: it is too short."""
@@ -231,16 +243,17 @@ class _Cut:
         stations, around = stretch.stations, self.surroundings
         certain = np.ones(len(stations), dtype=np.bool_)
         if around.finished_part is not None:
-            depth = around.finished_part.depth_in_material(self.tool.parts.cutting, stations)
+            depth = around.finished_part.depth_in_material((self.tool.profile.cutting,), stations)
             # below this the cells cannot tell
             allowed = max(around.gouge_tolerance, self.least)
             yield Contact("gouge", PART, np.where(depth > allowed, depth, 0.0), certain)
         for name, fixture in (around.fixtures or {}).items():
-            parts = self.tool.parts
-            kind = "rapid" if stretch.rapid else "gouge"
-            for part, called in ((parts.cutting, kind), (parts.shank, "shank"), (parts.holder, "holder")):
-                if part is None:
-                    continue
-                depth = fixture.depth_in_material(part, stations)
-                found = np.where(depth > self.least, depth, 0.0)
-                yield Contact(called, f"fixture {name}", found, certain)  # type: ignore[arg-type]
+            profile = self.tool.profile
+            parts: tuple[tuple[FindingKind, Solids], ...] = (
+                ("rapid" if stretch.rapid else "gouge", (profile.cutting,)),
+                ("shank", profile.shank),
+                ("holder", profile.holder),
+            )
+            for kind, solids in parts:
+                depth = fixture.depth_in_material(solids, stations)
+                yield Contact(kind, f"fixture {name}", np.where(depth > self.least, depth, 0.0), certain)

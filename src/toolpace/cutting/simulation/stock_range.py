@@ -12,35 +12,22 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Workers
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.tool_profile import ToolProfile
 
 Result = TypeVar("Result")
-
-
-class SolidOfRevolution(Protocol):
-    """A part of a tool: what the stock takes to cut or to measure with."""
-
-
-class ToolParts(Protocol):
-    """The parts of a tool; an empty one is None."""
-
-    @property
-    def cutting(self) -> SolidOfRevolution: ...
-    @property
-    def shank(self) -> SolidOfRevolution | None: ...
-    @property
-    def holder(self) -> SolidOfRevolution | None: ...
+Solids = tuple[Floats, ...]
+"""Convex solids of revolution, as a tool's profile has them."""
 
 
 class Stock(Protocol):
     """Material that can be cut."""
 
-    @property
     def volume(self) -> float:
         """[m3]"""
     def copy(self) -> Stock: ...
-    def cut(self, tool: ToolParts, stations: Stations) -> Engagement: ...
-    def remove(self, part: SolidOfRevolution, stations: Stations) -> float: ...
-    def depth_in_material(self, part: SolidOfRevolution, stations: Stations) -> Floats: ...
+    def cut(self, profile: ToolProfile, stations: Stations) -> Engagement: ...
+    def depth_in_material(self, solids: Solids, stations: Stations) -> Floats: ...
+    def triangles(self) -> Floats: ...
 
 
 class Met(NamedTuple):
@@ -78,7 +65,7 @@ class StockRange:
             return [work(self.nominal)] * 3
         return Workers().each(work, [self.smallest, self.nominal, self.largest])
 
-    def meet(self, tool: ToolParts, stations: Stations, rapid: bool, least: float) -> list[Met]:
+    def meet(self, tool: ToolProfile, stations: Stations, rapid: bool, least: float) -> list[Met]:
         """Cut all three along stations, and tell what the tool met.
 
         What a shank or a holder is in by more than `least` [m] is removed at the end, so that a collision is told once;
@@ -89,25 +76,22 @@ class StockRange:
         self.remove(tool.holder, stations, np.max([each.holder for each in met], axis=0) > least)
         return met
 
-    def remove(self, part: SolidOfRevolution | None, stations: Stations, where: Bools) -> None:
-        """Remove a part of a tool from all three, at those stations that are marked (n,)."""
-        if part is not None and where.any():
+    def remove(self, solids: Solids, stations: Stations, where: Bools) -> None:
+        """Remove solids from all three, at those stations that are marked (n,)."""
+        if where.any():
             colliding = stations.where(where)
-            self.each(lambda stock: stock.remove(part, colliding))
+            for solid in solids:
+                self.each(lambda stock, solid=solid: stock.cut(ToolProfile(solid), colliding))  # type: ignore[misc]
 
 
-def meet(stock: Stock, tool: ToolParts, stations: Stations, rapid: bool) -> Met:
+def meet(stock: Stock, tool: ToolProfile, stations: Stations, rapid: bool) -> Met:
     """Cut a stock along stations, and tell what the tool met.
 
     At a rapid nothing may be met at all, so that all is measured in the stock as it was before: the depth is that of
     the whole collision. At feed what is before the shank changes from station to station.
     """
-    nothing = np.zeros(len(stations))
-    if not rapid:
-        engagement = stock.cut(tool, stations)
-        return Met(engagement, nothing, engagement.penetration[:, 0], engagement.penetration[:, 1])
-    depths = [
-        nothing if part is None else stock.depth_in_material(part, stations)
-        for part in (tool.cutting, tool.shank, tool.holder)
-    ]
-    return Met(stock.cut(tool, stations), *depths)
+    if rapid:
+        depths = [stock.depth_in_material(solids, stations) for solids in ((tool.cutting,), tool.shank, tool.holder)]
+        return Met(stock.cut(tool, stations), *depths)
+    engagement = stock.cut(tool, stations)
+    return Met(engagement, np.zeros(len(stations)), *engagement.penetration.T)
