@@ -1,0 +1,212 @@
+"""The stock as dexels: three grids of rays with their intervals of material."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, Ints, number, numbers
+from toolpace.common.errors import UsageError
+from toolpace.common.value_objects import one_line
+
+if TYPE_CHECKING:
+    from toolpace.cutting.engagement.stations import Stations
+    from toolpace.cutting.engagement.table import Engagement
+    from toolpace.cutting.tool_profile import ToolProfile
+    from toolpace.kernels.cutting.dexels import Field
+
+CELLS = 500
+"""Cells along the longest side, where nothing else is wanted."""
+MEMORY = 512e6
+"""Bytes that the rays of a stock may take, where nothing else is wanted."""
+NODE = 24
+"""Bytes of an interval of material."""
+SPARE = 0.25
+"""Nodes for further intervals, as a share of the rays."""
+TOO_FINE = 2**31
+"""Most rays."""
+
+
+@dataclass(eq=False, repr=False)
+class DexelStock:
+    """Material, in the frame of the part. Changed by `cut`; a `copy` keeps what is."""
+
+    field: Field
+    """The rays, for kernels."""
+
+    def __repr__(self) -> str:
+        size = " x ".join(f"{1e3 * side:.4g}" for side in self.field.step * self.field.count)
+        return one_line(self, f"{size} mm", f"resolution {1e3 * self.resolution:.3g} mm")
+
+    @staticmethod
+    def box(
+        low: npt.ArrayLike, high: npt.ArrayLike, resolution: float | None = None, memory: float = MEMORY
+    ) -> DexelStock:
+        """A box between two corners (3,) [m], in cells of at most `resolution` [m].
+
+        Without one, 500 cells along the longest side, or as many as `memory` [bytes] holds. UsageError for a box
+        without volume, and for a resolution that needs more memory.
+        """
+        low, high = numbers(low, "stock: low", (3,), unit="m"), numbers(high, "stock: high", (3,), unit="m")
+        stock = _empty(low, high, resolution, memory)
+        field = stock.field
+        for d in range(3):
+            field.low[field.first[d] : field.first[d + 1]] = low[d]
+            field.high[field.first[d] : field.first[d + 1]] = high[d]
+        return stock
+
+    @staticmethod
+    def cylinder(
+        start: npt.ArrayLike,
+        end: npt.ArrayLike,
+        diameter: float,
+        resolution: float | None = None,
+        memory: float = MEMORY,
+    ) -> DexelStock:
+        """A cylinder between the centres (3,) [m] of its ends; see `box` for the rest."""
+        from toolpace.kernels.cutting.casting import fill_revolved
+
+        start, end = numbers(start, "stock: start", (3,), unit="m"), numbers(end, "stock: end", (3,), unit="m")
+        radius = 0.5 * number(diameter, "stock: diameter", least=0.0, above=True, unit="m")
+        length = float(np.linalg.norm(end - start))
+        if not length > 0.0:
+            raise UsageError("stock: both ends of the cylinder are at one place; give two")
+        axis = (end - start) / length
+        wide = radius * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+        stock = _empty(np.minimum(start, end) - wide, np.maximum(start, end) + wide, resolution, memory)
+        fill_revolved(stock.field, np.array([[0.0, length, radius, 0.0, 0.0, radius]]), start, axis)
+        return stock
+
+    @staticmethod
+    def mesh(triangles: npt.ArrayLike, resolution: float | None = None, memory: float = MEMORY) -> DexelStock:
+        """A closed mesh of triangles (n, 3, 3) [m], counterclockwise seen from outside; see `box` for the rest.
+
+        UsageError for a mesh that is open or inside out.
+        """
+        from toolpace.kernels.cutting.casting import crossings, fill
+
+        corners = numbers(triangles, "stock: triangles", ("n", 3, 3), unit="m")
+        if not len(corners):
+            raise UsageError("stock: the mesh has no triangle; give a closed mesh")
+        stock = _empty(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), resolution, memory)
+        wrong = 0
+        for d in range(3):
+            rays = int(stock.field.first[d + 1] - stock.field.first[d])
+            counts = np.zeros(rays + 1, np.int64)
+            crossings(stock.field, corners, d, counts, np.empty(0), np.empty(0, np.int64))
+            offset = np.concatenate([[0], np.cumsum(counts[:-1])])
+            places, ways = np.empty(offset[-1]), np.empty(offset[-1], np.int64)
+            crossings(stock.field, corners, d, offset.copy(), places, ways)
+            stock._spare(int(offset[-1]))
+            wrong += fill(stock.field, d, offset, places, ways)
+        if wrong:
+            raise UsageError(
+                f"stock: {wrong} of {stock.field.first[3]} rays do not leave the mesh as they enter it; "
+                "give a closed mesh whose triangles are counterclockwise seen from outside"
+            )
+        return stock
+
+    @property
+    def resolution(self) -> float:
+        """Largest side of a cell [m]."""
+        return float(self.field.step.max())
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner (3,) of the box of the cells [m]."""
+        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.count
+
+    @property
+    def memory(self) -> int:
+        """Bytes that the rays take."""
+        return NODE * len(self.field.low)
+
+    def volume(self) -> float:
+        """Volume of the material [m3]: the mean of what the three directions see."""
+        from toolpace.kernels.cutting.dexels import lengths
+
+        return sum(lengths(self.field)) / 3.0
+
+    def copy(self) -> DexelStock:
+        """The same material, which is changed apart."""
+        return DexelStock(type(self.field)(*(each.copy() for each in self.field)))
+
+    def depths(self, points: npt.ArrayLike, most: float | None = None) -> Floats:
+        """How deep points (n, 3) [m] are in material, below zero outside [m]; `most`, four cells, at most either way.
+
+        Exact near a plane, within a cell at edges and corners.
+        """
+        from toolpace.kernels.cutting.dexels import depths_at
+
+        points = numbers(points, "stock: points", ("n", 3), unit="m")
+        found = np.empty(len(points))
+        depths_at(self.field, points, 4.0 * self.resolution if most is None else most, found)
+        return found
+
+    def contains(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Whether points (n, 3) [m] are in material."""
+        return np.asarray(self.depths(points) > 0.0)
+
+    def cut(self, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
+        """Cut with a tool's cutting part along stations, and tell what it met; see `engagement.cut`."""
+        from toolpace.cutting.engagement.cut import cut
+
+        return cut(self, profile, stations, slice_height)
+
+    def _spare(self, nodes: int) -> None:
+        """Have at least so many free nodes."""
+        from toolpace.kernels.cutting.dexels import FREE, FREE_COUNT
+
+        field = self.field
+        missing = nodes - int(field.pool[FREE_COUNT])
+        if missing > 0:
+            count = len(field.low)
+            more = max(missing, count // 4)
+            following = np.arange(count + 1, count + more + 1)
+            following[-1] = field.pool[FREE]
+            field.pool[FREE] = count
+            field.pool[FREE_COUNT] += more
+            self.field = field._replace(
+                low=np.concatenate([field.low, np.ones(more)]),
+                high=np.concatenate([field.high, np.zeros(more)]),
+                next=np.concatenate([field.next, following]),
+            )
+
+
+def resolution_within(low: Floats, high: Floats, memory: float = MEMORY) -> float:
+    """The resolution [m] of a stock between two corners, where none is wanted: that of `DexelStock.box`."""
+    sides = high - low
+    faces = float(sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0])
+    return max(float(sides.max()) / CELLS, math.sqrt(1.1 * faces * NODE * (1.0 + SPARE) / memory))
+
+
+def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
+    """Rays without material between two corners."""
+    from toolpace.kernels.cutting.dexels import Field
+
+    sides = high - low
+    if not (sides > 0.0).all():
+        shown = " x ".join(f"{1e3 * side:g}" for side in sides)
+        raise UsageError(f"stock: it is {shown} mm; give one with a length, a width and a height above 0")
+    cell = resolution_within(low, high, memory) if resolution is None else resolution
+    cell = number(cell, "stock: resolution", least=0.0, above=True, unit="m")
+    wanted = np.ceil(sides / cell - 1e-9)
+    faces = [float(wanted[(d + 1) % 3] * wanted[(d + 2) % 3]) for d in range(3)]
+    if not NODE * (1.0 + SPARE) * sum(faces) <= max(memory, NODE * 64.0):
+        coarser = resolution_within(low, high, memory)
+        raise UsageError(
+            f"stock: a resolution of {1e3 * cell:g} mm takes {NODE * (1.0 + SPARE) * sum(faces) / 1e6:.0f} MB, above "
+            f"the {memory / 1e6:.0f} MB that it may; give one of {1e3 * coarser:.2g} mm or more, or more memory"
+        )
+    count = np.maximum(wanted, 1.0).astype(np.int64)
+    first: Ints = np.concatenate([[0], np.cumsum(faces)]).astype(np.int64)
+    rays = int(first[3])
+    nothing = np.full(rays, -1, np.int64)
+    field = Field(low, sides / count, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0]))
+    stock = DexelStock(field)
+    stock._spare(int(SPARE * rays) + 64)
+    return stock

@@ -1,0 +1,133 @@
+"""What a convex solid of revolution takes out of a stock at a pose."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from toolpace.kernels.arrays import Floats
+from toolpace.kernels.cutting.dexels import Field, subtract
+from toolpace.kernels.cutting.revolution import WIDEST, Z0, Z1, chord, nearest_normal
+from toolpace.kernels.jit import jit
+
+SHORTEST = 1e-6
+"""Intervals shorter than this part of a cell are no material: they are rounding."""
+
+
+class Shadow(NamedTuple):
+    """The part of the tool's axis whose tool may be within the stock's box, seen along a direction."""
+
+    u: float
+    """Where it begins, across the direction."""
+    v: float
+    du: float
+    """To where it ends."""
+    dv: float
+    radius: float
+
+
+@jit()
+def widest_of(pieces: Floats) -> float:
+    """The largest radius of a solid."""
+    widest = 0.0
+    for k in range(len(pieces)):
+        widest = max(widest, pieces[k, WIDEST])
+    return widest
+
+
+@jit()
+def near_box(field: Field, pieces: Floats, tip: Floats, axis: Floats, radius: float) -> tuple[float, float]:
+    """Heights along the axis between which the tool may be within the stock's box; none: the first is above."""
+    low, high = pieces[0, Z0], pieces[len(pieces) - 1, Z1]
+    for d in range(3):
+        least = field.origin[d] - radius - tip[d]
+        most = field.origin[d] + field.step[d] * field.count[d] + radius - tip[d]
+        if abs(axis[d]) < 1e-12:
+            if least > 0.0 or most < 0.0:
+                return 1.0, 0.0
+        else:
+            a, b = least / axis[d], most / axis[d]
+            low, high = max(low, min(a, b)), min(high, max(a, b))
+    return low, high
+
+
+@jit()
+def row_part(shadow: Shadow, v: float) -> tuple[float, float]:
+    """The part of the row at v that is within the shadow: two circles and the strip between them."""
+    low, high = math.inf, -math.inf
+    for end in range(2):
+        off = v - shadow.v - end * shadow.dv
+        inside = shadow.radius * shadow.radius - off * off
+        if inside >= 0.0:
+            reach = math.sqrt(inside)
+            middle = shadow.u + end * shadow.du
+            low, high = min(low, middle - reach), max(high, middle + reach)
+    length = math.sqrt(shadow.du * shadow.du + shadow.dv * shadow.dv)
+    if length > 0.0 and abs(shadow.dv) > 1e-9 * length:
+        for side in range(-1, 2, 2):
+            share = (v - shadow.v - side * shadow.radius * shadow.du / length) / shadow.dv
+            if 0.0 <= share <= 1.0:
+                u = shadow.u - side * shadow.radius * shadow.dv / length + share * shadow.du
+                low, high = min(low, u), max(high, u)
+    return low, high
+
+
+@jit()
+def normal_along(pieces: Floats, off: float, base: float, lean: float, t: float) -> float:
+    """The component along a ray of the outward normal of the surface that is nearest to a place of the ray."""
+    z = base + t * lean
+    rho = math.sqrt(max(off + t * t - z * z, 0.0))
+    across, along = nearest_normal(pieces, rho, z)
+    return along * lean + (across * (t - z * lean) / rho if rho > 0.0 else 0.0)
+
+
+@jit()
+def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
+    """Take the solid at a pose out of the stock: the volume taken. Needs a free node for each ray that it meets.
+
+    Each direction sees the whole volume, but those that graze the surface see it in jumps. At each ray the square of
+    the normal's component along it counts; over the three directions these sum up to one.
+    """
+    radius = widest_of(pieces)
+    z0, z1 = near_box(field, pieces, tip, axis, radius)
+    volume = 0.0
+    if z0 > z1:
+        return volume
+    for d in range(3):
+        u, v = (d + 1) % 3, (d + 2) % 3
+        su, sv, lean = field.step[u], field.step[v], axis[d]
+        shadow = Shadow(
+            tip[u] + z0 * axis[u], tip[v] + z0 * axis[v], (z1 - z0) * axis[u], (z1 - z0) * axis[v], radius
+        )
+        top, bottom = max(shadow.v, shadow.v + shadow.dv) + radius, min(shadow.v, shadow.v + shadow.dv) - radius
+        begin = max(int(math.ceil((bottom - field.origin[v]) / sv - 0.5)), 0)
+        end = min(int(math.floor((top - field.origin[v]) / sv - 0.5)), field.count[v] - 1)
+        seen = 0.0
+        for iv in range(begin, end + 1):
+            at_v = field.origin[v] + (iv + 0.5) * sv
+            low, high = row_part(shadow, at_v)
+            if low > high:
+                continue
+            wv = at_v - tip[v]
+            left = max(int(math.ceil((low - field.origin[u]) / su - 0.5)), 0)
+            right = min(int(math.floor((high - field.origin[u]) / su - 0.5)), field.count[u] - 1)
+            for iu in range(left, right + 1):
+                ray = field.first[d] + iv * field.count[u] + iu
+                if field.low[ray] > field.high[ray]:
+                    continue
+                wu = field.origin[u] + (iu + 0.5) * su - tip[u]
+                off, base = wu * wu + wv * wv, wu * axis[u] + wv * axis[v]
+                first, last = chord(pieces, off, base, lean)
+                if field.low[ray] - tip[d] >= last:
+                    continue
+                # by halves: what is taken near one end of the chord has the normal of that end
+                middle = 0.5 * (first + last)
+                for half in range(2):
+                    low, high = (first, middle) if half == 0 else (middle, last)
+                    if low < high:
+                        length, moment = subtract(field, ray, low + tip[d], high + tip[d], SHORTEST * su)
+                        if length > 0.0:
+                            part = normal_along(pieces, off, base, lean, moment / length - tip[d])
+                            seen += length * part * part
+        volume += seen * su * sv
+    return volume
