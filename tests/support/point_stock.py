@@ -26,8 +26,10 @@ def outline(solid: np.ndarray, count: int = 400) -> np.ndarray:
     low, high = solid[0, 0], solid[-1, 1]
     height = np.linspace(low, high, count)
     radius = radius_at(solid, height)
-    ends = [np.column_stack([np.linspace(0.0, r, 60), np.full(60, z)]) for r, z in ((radius[0], low), (radius[-1], high))]
-    return np.concatenate([ends[0], np.column_stack([radius, height]), ends[1]])
+    lower, upper = (
+        np.column_stack([np.linspace(0.0, r, 60), np.full(60, z)]) for r, z in ((radius[0], low), (radius[-1], high))
+    )
+    return np.concatenate([lower, np.column_stack([radius, height]), upper])
 
 
 class PointStock:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -60,7 +61,7 @@ def cut_programs(
     found: list[ProgramCut] = []
     for k, program in enumerate(programs):
         left = found[-1].simulation.left if found else None
-        found.append(cut_program(program, request, steps, left, lambda at, stock, k=k: after_operation(k, at, stock)))
+        found.append(cut_program(program, request, steps, left, partial(after_operation, k)))
     return found
 
 

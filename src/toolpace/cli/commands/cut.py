@@ -171,9 +171,8 @@ def _show_figures(console: Console, found: ProgramCut, machine: str) -> None:
         air += f", {100.0 * simulation.air / whole:.1f} %"
     rows = [("program", found.program), ("machine", machine)]
     if simulation.guessed:
-        rows.append(
-            ("stock", "GUESSED: the box around all cutting moves. Nothing is concluded from it: tell [stock] on the sheet")
-        )
+        rows.append(("stock", "GUESSED, the box around all cutting moves: nothing is concluded from it"))
+        rows.append(("", "tell the real one on the set-up sheet, in the table [stock]"))
         air += " of the guessed box: not to be relied on"
     stock = f"{_volume(simulation.stock_volume)}, removed {_volume(simulation.removed_volume)}"
     rows.append(("" if simulation.guessed else "stock", f"{stock}, left {_volume(simulation.left_volume)}"))

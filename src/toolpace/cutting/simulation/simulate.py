@@ -33,7 +33,7 @@ from toolpace.cutting.simulation.findings import (
     worst_first,
 )
 from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut, feed_and_rapid, operation_cut
-from toolpace.cutting.simulation.stock_range import Met, Stock, StockRange, Solids
+from toolpace.cutting.simulation.stock_range import Met, Solids, Stock, StockRange
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.tool_figures import ToolFigures

@@ -94,4 +94,5 @@ def meet(stock: Stock, tool: ToolProfile, stations: Stations, rapid: bool) -> Me
         depths = [stock.depth_in_material(solids, stations) for solids in ((tool.cutting,), tool.shank, tool.holder)]
         return Met(stock.cut(tool, stations), *depths)
     engagement = stock.cut(tool, stations)
-    return Met(engagement, np.zeros(len(stations)), *engagement.penetration.T)
+    shank, holder = engagement.penetration.T if len(engagement.penetration) else np.zeros((2, len(stations)))
+    return Met(engagement, np.zeros(len(stations)), shank, holder)

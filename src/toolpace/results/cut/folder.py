@@ -3,7 +3,7 @@
 | file | what is in it |
 |---|---|
 | cut.json | what `cut --json` prints |
-| engagement.parquet | a row a station: where, when, what is removed, and the arcs in material of each slice of the tool |
+| engagement.parquet | a row a station: place, time, what is removed, and the arcs of each slice in material |
 | stock-1-2.stl | the stock of the first program after its second operation, in mm |
 | cut-1.html | the page of the first program |
 """
@@ -114,8 +114,8 @@ def write_stl(file: Path, triangles: Floats) -> None:
 def write_engagement(file: Path, simulations: Sequence[CutSimulation]) -> None:
     """Write the engagement of all programs: lengths in mm, volumes in mm3, times in s, angles in rad.
 
-    slice, entry and exit are lists, one entry for each arc: slice j is from j to j + 1 of slice_height_mm above the tip.
-    What begins with `certain` and `possible` is of the smallest and of the largest stock.
+    slice, entry and exit are lists, one entry for each arc: slice j is from j to j + 1 of slice_height_mm above the
+    tip. What begins with `certain` and `possible` is of the smallest and of the largest stock.
     """
     pa = arrow()
     writer = None

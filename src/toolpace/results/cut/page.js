@@ -55,6 +55,6 @@
   const side = (title) => ({ title: { text: title }, gridcolor: line, zerolinecolor: line, showbackground: false });
   Plotly.newPlot("way", drawn, {
     font, margin: { l: 0, r: 0, t: 10, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", legend: { orientation: "h", x: 0, y: 1 },
-    scene: { aspectmode: "data", xaxis: side("X [mm]"), yaxis: side("Y [mm]"), zaxis: side("Z [mm]") },
+    scene: { aspectmode: "data", camera: { eye: { x: -1.3, y: -1.9, z: 1.5 }, projection: { type: "orthographic" } }, xaxis: side("X [mm]"), yaxis: side("Y [mm]"), zaxis: side("Z [mm]") },
   }, config);
 })();

@@ -1,4 +1,4 @@
-"""The page of a cut: what is air and what is material, removal rate, engagement and speed over time, and the findings."""
+"""The page of a cut: air and material, removal rate, engagement and speed over time, and the findings."""
 
 from __future__ import annotations
 
@@ -48,29 +48,32 @@ class OverTime(NamedTuple):
     feed: Floats
     """(k,) most feed that the program asks for [m/s]; nan where it asks for none."""
     state: Ints
-    """(k,) index in STATES of what takes the most time; -1 where the tool rests."""
+    """(k,) index in STATES of what the tool does in its middle; -1 where it rests."""
 
 
 def over_time(simulation: CutSimulation, trajectory: Trajectory, toolpath: ToolPath, bins: int = BINS) -> OverTime:
     """What the motion does over time."""
     edges = np.linspace(0.0, trajectory.duration, bins + 1)
     removed, way, width, depth = (np.zeros(bins) for _ in range(4))
-    taken = np.zeros((bins, len(STATES)))
+    state = np.full(bins, -1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
     for each in simulation.stretches:
-        time = each.stations.time
-        middle = 0.5 * (time + np.concatenate([time[:1], time[:-1]]))
-        at = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, bins - 1)
-        removed += spread(edges, time, each.engagement.removed)
+        time, engagement = each.stations.time, each.engagement
+        removed += spread(edges, time, engagement.removed)
         step = np.linalg.norm(np.diff(each.stations.tip, axis=0, prepend=each.stations.tip[:1]), axis=1)
         way += spread(edges, time, step)
-        contact = each.contact(each.engagement)
-        np.maximum.at(width, at[contact], each.engagement.width[contact])
-        np.maximum.at(depth, at[contact], each.engagement.depth[contact])
-        np.add.at(taken, (at, states_of(each)), each.seconds)
+        # of each bin the way that its middle is on, and of shorter ways the largest values
+        here = np.flatnonzero((middle >= time[0]) & (middle <= time[-1]))
+        on = np.minimum(np.searchsorted(time, middle[here]), len(time) - 1)
+        state[here] = states_of(each)[on]
+        contact = each.contact(engagement)
+        at = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, bins - 1)
+        for drawn, values in ((width, engagement.width), (depth, engagement.depth)):
+            of_contact = np.where(contact, values, 0.0)
+            drawn[here] = np.maximum(drawn[here], of_contact[on])
+            np.maximum.at(drawn, at, of_contact)
     long = np.diff(edges)
-    feed = feed_at(toolpath, trajectory, 0.5 * (edges[1:] + edges[:-1]))
-    state = np.where(taken.max(axis=1) > 0.0, taken.argmax(axis=1), -1)
-    return OverTime(edges, removed / long, width, depth, way / long, feed, state)
+    return OverTime(edges, removed / long, width, depth, way / long, feed_at(toolpath, trajectory, middle), state)
 
 
 def spread(edges: Floats, time: Floats, amount: Floats) -> Floats:
