@@ -21,13 +21,13 @@ def radius_at(solid: np.ndarray, height: np.ndarray) -> np.ndarray:
     return radius
 
 
-def outline(solid: np.ndarray, count: int = 400) -> np.ndarray:
+def outline(solid: np.ndarray, count: int = 80) -> np.ndarray:
     """(k, 2) points of the half section of a solid, radius and height, with both ends closed."""
     low, high = solid[0, 0], solid[-1, 1]
     height = np.linspace(low, high, count)
     radius = radius_at(solid, height)
     lower, upper = (
-        np.column_stack([np.linspace(0.0, r, 60), np.full(60, z)]) for r, z in ((radius[0], low), (radius[-1], high))
+        np.column_stack([np.linspace(0.0, r, 20), np.full(20, z)]) for r, z in ((radius[0], low), (radius[-1], high))
     )
     return np.concatenate([lower, np.column_stack([radius, height]), upper])
 
@@ -63,6 +63,7 @@ class PointStock:
     def cut(self, profile: ToolProfile, stations: Stations) -> Engagement:
         n = len(stations)
         removed, width, depth, penetration = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, 2))
+        slices: list[np.ndarray] = [np.zeros(0, dtype=np.int64)] * n
         feed = np.array([1.0, 0.0, 0.0])
         for k in range(n):
             tip, axis = stations.tip[k], stations.axis[k]
@@ -76,11 +77,13 @@ class PointStock:
                 side = (self.points[hit] - tip) @ np.cross(axis, feed)
                 removed[k] = len(hit) * self.cell**3
                 width[k], depth[k] = np.ptp(side) + self.cell, np.ptp(place[:, 1]) + self.cell
+                slices[k] = np.unique((place[:, 1] / self.cell).astype(np.int64))
                 self.points = np.delete(self.points, hit, axis=0)
+        count = sum(map(len, slices))
         return Engagement(
             slice_height=self.cell, feed_direction=np.zeros((n, 3)), across=np.ones(n), along=np.zeros(n),
-            first_arc=np.zeros(n + 1, dtype=np.int64), slice=np.zeros(0, dtype=np.int64), entry=np.zeros(0),
-            exit=np.zeros(0), bottom=np.zeros(n), removed=removed, width=width, depth=depth, penetration=penetration,
+            first_arc=np.cumsum([0, *map(len, slices)]), slice=np.concatenate(slices), entry=np.zeros(count),
+            exit=np.full(count, 2.0 * np.pi), bottom=np.zeros(n), removed=removed, width=width, depth=depth, penetration=penetration,
         )  # fmt: skip
 
     def depth_in_material(self, solids: Solids, stations: Stations) -> np.ndarray:

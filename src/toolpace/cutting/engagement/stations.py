@@ -51,6 +51,13 @@ class Stations:
         """Stations from `first` up to, not including, `last`."""
         return Stations(*(getattr(self, each.name)[first:last] for each in fields(self)))
 
+    @property
+    def moving_time(self) -> Floats:
+        """(n,) time of the way to each station [s]; 0 to the first, and where the tool waits."""
+        moves = (np.diff(self.tip, axis=0, prepend=self.tip[:1]) != 0.0).any(axis=1)
+        moves |= (np.diff(self.axis, axis=0, prepend=self.axis[:1]) != 0.0).any(axis=1)
+        return np.where(moves, np.diff(self.time, prepend=self.time[:1]), 0.0)
+
     def where(self, kept: Bools) -> Stations:
         """Those stations that are `kept` (n,)."""
         return Stations(*(getattr(self, each.name)[kept] for each in fields(self)))
@@ -95,7 +102,8 @@ def joined(parts: Sequence[Stations]) -> list[Stations]:
         last = found[-1][-1] if found else None
         same = last is not None and last.operation[-1] == part.operation[0]
         if last is not None and same and np.allclose(last.tip[-1], part.tip[0]):
-            found[-1].append(part.part(1, len(part)))
+            # a dwell is a way of its own, on which nothing moves
+            found[-1].append(part if part.time[0] > last.time[-1] else part.part(1, len(part)))
         else:
             found.append([part])
     return [
@@ -132,7 +140,7 @@ class _Ways:
         return Stations(
             tip,
             axis,
-            begin + np.maximum.accumulate(self.law.times_at(s)),
+            begin + self.times(s),
             toolpath.block[entry],
             toolpath.operation[entry],
             toolpath.rapid[entry],
@@ -145,6 +153,13 @@ class _Ways:
         fixed = np.isin(s, self.start[1:-1][rapid[1:] != rapid[:-1]])
         fixed[[0, -1]] = True
         return np.flatnonzero(fixed | (np.diff(np.floor(way / least), prepend=-1.0) > 0.0))
+
+    def times(self, s: Floats) -> Floats:
+        """(n,) when the run passes s (n,), from its start [s]."""
+        # at rest the law tells the time to a microsecond only
+        t = np.where(s >= self.run.s1, self.law.duration, np.where(s <= self.run.s0, 0.0, self.law.times_at(s)))
+        rising: Floats = np.maximum.accumulate(t)
+        return np.minimum(rising, self.law.duration)
 
     def tool(self, s: Floats) -> tuple[Floats, Floats]:
         """Tip and axis (n, 3) at s (n,)."""

@@ -43,20 +43,24 @@ def simulate_cut(
     Raises UsageError for a motion along another program, for a tool whose figures nothing tells, and for solids that
     make no stock.
     """
+    from toolpace.cutting.engagement.stations import motion_stations
     from toolpace.cutting.simulation import set_up
-    from toolpace.cutting.simulation.simulate import cut_along
+    from toolpace.cutting.simulation.simulate import cut_stations, reach_of
 
     check_toolpath(toolpath, "simulate_cut")
     if not hasattr(trajectory, "axis_path"):
-        raise UsageError(f"simulate_cut: {type(trajectory).__name__} in place of a trajectory; give what tp.plan returns")
+        kind = type(trajectory).__name__
+        raise UsageError(f"simulate_cut: {kind} in place of a trajectory; give what tp.plan returns")
     if not hasattr(setup, "workpiece"):
         raise UsageError(f"simulate_cut: {type(setup).__name__} in place of a set-up sheet; give a tp.SetUp")
     tools, assumed = set_up.tools_in_use(toolpath, setup)
     figures = set_up.stock_of(toolpath, setup, tools)
     cut = stock.copy() if stock is not None else set_up.stock_range(figures, resolution, memory)
-    cell = set_up.resolution_of(cut)
-    return cut_along(
-        trajectory, toolpath, tools, cut, set_up.surroundings(setup, cell, memory),
+    cell = cut.nominal.resolution
+    reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
+    return cut_stations(
+        motion_stations(trajectory, toolpath, cell, reach),
+        toolpath.operations, tools, cut, set_up.surroundings(setup, cell, memory),
         resolution=cell,
         uncertainty=0.0 if figures.guessed else figures.uncertainty,
         guessed=figures.guessed,

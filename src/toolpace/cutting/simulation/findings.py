@@ -72,7 +72,7 @@ def findings_of(
     stations: Stations, contacts: Iterable[Contact], operation: str, tool: str
 ) -> list[Finding]:
     """The findings of a stretch of stations: of each contact one for each block."""
-    seconds = np.diff(stations.time, prepend=stations.time[:1])
+    seconds = stations.moving_time
     found = []
     for contact in contacts:
         there = contact.depth > 0.0
@@ -99,7 +99,7 @@ def findings_of(
 
 def air_findings(stations: Stations, air: Bools, operation: str, tool: str) -> list[Finding]:
     """Blocks at feed that cut nothing from their begin to their end: of neighbours one finding."""
-    seconds = np.diff(stations.time, prepend=stations.time[:1])
+    seconds = stations.moving_time
     head = np.flatnonzero(np.diff(stations.block[1:], prepend=-1)) + 1
     found: list[Finding] = []
     before = -1

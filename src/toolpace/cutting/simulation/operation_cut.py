@@ -46,7 +46,7 @@ class CutStretch:
     @property
     def seconds(self) -> Floats:
         """(n,) time of the way to each station [s]; 0 to the first."""
-        return np.diff(self.stations.time, prepend=self.stations.time[:1])
+        return self.stations.moving_time
 
     @property
     def removed(self) -> float:

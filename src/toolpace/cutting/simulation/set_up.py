@@ -101,8 +101,3 @@ def dexels(solid: Solid, resolution: float | None, memory: float) -> DexelStock:
     if solid.cylinder is not None:
         return DexelStock.cylinder(*solid.cylinder, resolution, memory)
     raise UsageError(f"{solid.source}: a mesh")
-
-
-def resolution_of(stock: StockRange) -> float:
-    """Size of a cell [m]."""
-    return stock.nominal.resolution

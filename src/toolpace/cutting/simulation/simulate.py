@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import CallersProgress
-from toolpace.cutting.engagement.stations import Stations, motion_stations
+from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import Engagement
 from toolpace.cutting.simulation.findings import (
     PART,
@@ -35,9 +35,8 @@ from toolpace.cutting.simulation.findings import (
 from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut, feed_and_rapid, operation_cut
 from toolpace.cutting.simulation.stock_range import Met, Solids, Stock, StockRange
 from toolpace.cutting.tool_profile import ToolProfile
-from toolpace.motion.trajectory import Trajectory
 from toolpace.programs.tool_figures import ToolFigures
-from toolpace.programs.toolpath import ToolPath
+from toolpace.programs.toolpath import Operation
 
 UNSEEN = 0.4
 """Share of the resolution: a collision that is less deep is not told, as it may be one of the cells."""
@@ -118,9 +117,9 @@ class CutSimulation:
         return tuple(each for each in self.findings if each.collision)
 
 
-def cut_along(
-    trajectory: Trajectory,
-    toolpath: ToolPath,
+def cut_stations(
+    parts: Sequence[Stations],
+    operations: Sequence[Operation],
     tools: Sequence[ToolInUse | None],
     stock: StockRange,
     surroundings: Surroundings,
@@ -132,14 +131,12 @@ def cut_along(
     after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
     progress: Callable[[float], None] | None = None,
 ) -> CutSimulation:
-    """Cut a stock along a motion, with the tool of each operation; it is changed.
+    """Cut a stock along stations, each part of one operation, with its tool; the stock is changed.
 
-    tools: of each operation of the tool path, None where it has none: then it must not move at feed. `after_operation`
-    is given the index of each operation when it ends, and the stock then.
+    tools: of each operation, None where it has none: what it does is passed over. `after_operation` is given the index
+    of each operation when it ends, and the stock then.
     """
     report = CallersProgress(progress)
-    reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
-    parts = motion_stations(trajectory, toolpath, resolution, reach)
     before = stock.nominal.volume()
     count, done = sum(len(part) for part in parts) or 1, 0
     stretches: list[CutStretch] = []
@@ -152,16 +149,16 @@ def cut_along(
                 cut = _Cut(stock, surroundings, tool, UNSEEN * resolution, resolution)
                 stretch, met = cut.along(stations, operation, rapid)
                 stretches.append(stretch)
-                findings += cut.findings(stretch, met, toolpath, guessed)
+                findings += cut.findings(stretch, met, operations[operation], guessed)
             done += len(stations)
             report(done / count)
         if k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation:
             after_operation(operation, stock.nominal)
-    by_operation = [[each for each in stretches if each.operation == k] for k in range(len(toolpath.operations))]
+    by_operation = [[each for each in stretches if each.operation == k] for k in range(len(operations))]
     return CutSimulation(
         operations=tuple(
             operation_cut(operation, None if tool is None else tool.figures, each)
-            for operation, tool, each in zip(toolpath.operations, tools, by_operation)
+            for operation, tool, each in zip(operations, tools, by_operation)
             if each
         ),
         stretches=tuple(stretches),
@@ -198,9 +195,8 @@ class _Cut:
         certain, nominal, possible = (each.engagement for each in met)
         return CutStretch(stations, operation, rapid, nominal, certain, possible, self.resolution), met
 
-    def findings(self, stretch: CutStretch, met: Sequence[Met], toolpath: ToolPath, guessed: bool) -> list[Finding]:
+    def findings(self, stretch: CutStretch, met: Sequence[Met], operation: Operation, guessed: bool) -> list[Finding]:
         """What is wrong along a stretch."""
-        operation = toolpath.operations[stretch.operation]
         words = operation.name, operation.tool
         contacts = list(self.with_surroundings(stretch))
         if not guessed:

@@ -22,6 +22,9 @@ Solids = tuple[Floats, ...]
 class Stock(Protocol):
     """Material that can be cut."""
 
+    @property
+    def resolution(self) -> float:
+        """Size of a cell [m]."""
     def volume(self) -> float:
         """[m3]"""
     def copy(self) -> Stock: ...

@@ -177,7 +177,7 @@ class Tools:
 
     def _need_tools(self, word: str) -> None:
         if not self.control.setup.tells_lengths:
-            raise RefusedError(word, "it counts from the spindle: list the lengths of tools on the sheet (--setup)")
+            raise RefusedError(word, "it counts from the spindle: list the tools on the set-up sheet (--setup)")
 
     def _offset(self, offset: list[float]) -> None:
         x, y, length = offset
