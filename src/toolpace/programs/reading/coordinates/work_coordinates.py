@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.coordinates.kinematics import Poses
-from toolpace.programs.reading.coordinates.setup import Position, SetUp
+from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
+from toolpace.programs.reading.coordinates.setup import Position, SetUp, offset_name
 
 INSIDE = 1e-3
 """How far inside travel the stand-ins of machine coordinates end [m]: a smooth path swings about its points."""
@@ -91,14 +93,14 @@ class Datum:
         return found | dict(self.setup.references.get(number, {}))
 
     def length(self, tool: str) -> float:
-        """Length of a tool of the table [m]; of the machine's own where there is none.
+        """Length of a tool of the table [m]; of the machine's own where it has none.
 
         Where the program has named none, the only one of the table is in the spindle.
         """
         tools = self.setup.tools
         only = not tool and len(tools) == 1 and self.poses.machine is not None
         found = next(iter(tools.values())) if only else self.setup.tool(tool)
-        return self.own_length if found is None else found.length
+        return self.own_length if found is None or found.length is None else found.length
 
     def origin(self, offset: str) -> list[float]:
         """Joint positions (3 + rotary) at the origin of a work offset, with the machine's own tool."""
@@ -109,6 +111,23 @@ class Datum:
             for letter, slot in self.poses.slots().items():
                 values[slot] = self.zero[slot] + position.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
         return values
+
+
+def placement_of_offset(machine: Kinematics | None, setup: SetUp, name: str) -> Floats:
+    """(4, 4) from the coordinates of a work offset to the frame of the part [m]: as a block of X, Y and Z means them
+    while the rotary joints stand where the offset has them. Raises UsageError where the sheet lists others only."""
+    name = offset_name(name)
+    if setup.offsets and name not in setup.offsets:
+        raise UsageError(
+            f"{setup.source or 'set-up sheet'}: the work offset {name} is not among {', '.join(setup.offsets)}; list "
+            f"[offsets.{name}]"
+        )
+    poses = Poses(machine)
+    position = Datum(poses, setup).origin(name)
+    at, columns, _ = poses.linear_map(position[3:])
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = columns, at + columns @ np.array(position[:3])
+    return matrix
 
 
 @dataclass
