@@ -31,6 +31,11 @@ if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
     from toolpace.cutting.forces import CuttingForces
+    from toolpace.cutting.simulation import simulate_cut
+    from toolpace.cutting.simulation.findings import Finding
+    from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import StockRange
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.new_trajectory import replan
@@ -87,6 +92,8 @@ __all__ = [
     "Coefficients",
     "Controller",
     "Cut",
+    "CutSimulation",
+    "CutStretch",
     "Cutter",
     "CuttingForces",
     "CuttingTool",
@@ -95,6 +102,7 @@ __all__ = [
     "ExceededLimit",
     "Exported",
     "FigureEffect",
+    "Finding",
     "Follower",
     "FoundSetUp",
     "Genetic",
@@ -108,6 +116,7 @@ __all__ = [
     "Motion",
     "OpenPlace",
     "Operation",
+    "OperationCut",
     "Optimal",
     "PartTime",
     "Path",
@@ -132,6 +141,7 @@ __all__ = [
     "Skipped",
     "SpeedWeights",
     "Status",
+    "StockRange",
     "TimeLaw",
     "TimeRange",
     "Tolerances",
@@ -162,6 +172,7 @@ __all__ = [
     "replan",
     "report",
     "search_setup",
+    "simulate_cut",
     "verify",
     "write_set_up",
 ]
@@ -182,6 +193,8 @@ _HOME = {
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
     "Cut": "machine.cutting_tool",
+    "CutSimulation": "cutting.simulation.simulate",
+    "CutStretch": "cutting.simulation.operation_cut",
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces",
     "CuttingTool": "machine.cutting_tool",
@@ -190,6 +203,7 @@ _HOME = {
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
     "FigureEffect": "controls.timing.uncertainty",
+    "Finding": "cutting.simulation.findings",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
     "Genetic": "planning.genetic",
@@ -203,6 +217,7 @@ _HOME = {
     "Motion": "motion",
     "OpenPlace": "motion.trajectory",
     "Operation": "programs.toolpath",
+    "OperationCut": "cutting.simulation.operation_cut",
     "Optimal": "planning.optimal.planner",
     "PartTime": "controls.timing.program_time",
     "Path": "path.path",
@@ -227,6 +242,7 @@ _HOME = {
     "Skipped": "motion.trajectory",
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
+    "StockRange": "cutting.simulation.stock_range",
     "TimeLaw": "motion.laws",
     "TimeRange": "controls.timing.uncertainty",
     "Tolerances": "programs.tolerances",
@@ -255,6 +271,7 @@ _HOME = {
     "replan": "deflection.new_trajectory",
     "report": "results.report",
     "search_setup": "setup_search.search",
+    "simulate_cut": "cutting.simulation",
     "verify": "judge",
     "write_set_up": "results.write.set_up_folder",
 }

@@ -1,0 +1,1 @@
+"""The stock as dexels: cutting it, and where a tool meets it."""

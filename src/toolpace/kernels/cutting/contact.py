@@ -1,0 +1,229 @@
+"""Where the surface of a tool moves into material: the arcs of its slices, and the flat of its end.
+
+A point of the surface is at height z of the axis, at the radius r(z), in the direction cos(phi) left + sin(phi) feed
+from the axis. Between two poses it moves by the motion of the tip and the turning of the axis; where it moves outward,
+material that is there is cut.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from toolpace.kernels.arrays import Floats, Ints
+from toolpace.kernels.cutting.dexels import Field, depth_at
+from toolpace.kernels.jit import jit
+
+TURN = 2.0 * math.pi
+HALVINGS = 7
+TIP, AXIS, FEED, LEFT, MOTION, TURNING = 0, 1, 2, 3, 4, 5
+"""Rows of a pose (6, 3): of the tool, and of the motion to it along left, feed and axis: of the tip, and the turning of
+the axis [rad] about left and feed. One array: a record of arrays costs time at each call."""
+LEAST_CHIP = 1e-3
+"""Of the motion of the tip: where the surface moves outward by less, it slides."""
+LEAST_SAMPLES, MOST_SAMPLES = 12, 720
+"""Of the part of a slice that moves outward."""
+FAR = 3.0
+"""Cells beyond which depths are cut off."""
+SURE = 0.7
+"""Share of a depth within which there is no border."""
+
+
+class Slices(NamedTuple):
+    """The tool's surface by slices along the axis, at their middles; and its flat end."""
+
+    z: Floats
+    radius: Floats
+    across: Floats
+    """Of the outward normal, across the axis."""
+    along: Floats
+    """Of the outward normal, along the axis."""
+    flat: float
+    """Radius of the flat end; 0: none."""
+    height: float
+
+
+class Arcs(NamedTuple):
+    """Room for arcs."""
+
+    slice: Ints
+    entry: Floats
+    exit: Floats
+
+
+@jit(inline=True)
+def depth_on(
+    field: Field, pose: Floats, z: float, radius: float, phi: float, most: float, ahead: int
+) -> tuple[float, int]:
+    """Depth in material of a point of the tool, and the direction that counted; see `depth_at`."""
+    a, b = radius * math.cos(phi), radius * math.sin(phi)
+    return depth_at(
+        field,
+        pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0],
+        pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
+        pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
+        most,
+        ahead,
+    )
+
+
+@jit()
+def outward(pose: Floats, z: float, radius: float, across: float, along: float) -> tuple[float, float]:
+    """Between which angles a slice moves outward; the second is not above the first where it does not."""
+    lever = z * across - radius * along
+    constant = along * pose[MOTION, 2]
+    cosine = across * pose[MOTION, 0] - lever * pose[TURNING, 1]
+    sine = across * pose[MOTION, 1] + lever * pose[TURNING, 0]
+    size = math.sqrt(cosine * cosine + sine * sine)
+    total = abs(pose[MOTION, 0]) + abs(pose[MOTION, 1]) + abs(pose[MOTION, 2])
+    total += z * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1]))
+    if constant + size <= LEAST_CHIP * total or total == 0.0:
+        return 0.0, 0.0
+    if constant >= size:
+        return 0.0, TURN
+    middle, half = math.atan2(sine, cosine), math.acos(-constant / size)
+    return middle - half, middle + half
+
+
+@jit()
+def border(
+    field: Field, pose: Floats, z: float, radius: float, inside: float, outside: float, most: float, ahead: int
+) -> float:
+    """The angle between one in material and one outside at which the depth is zero."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + outside)
+        depth, ahead = depth_on(field, pose, z, radius, middle, most, ahead)
+        if depth > 0.0:
+            inside = middle
+        else:
+            outside = middle
+    return 0.5 * (inside + outside)
+
+
+@jit()
+def slice_arcs(
+    field: Field, pose: Floats, slices: Slices, j: int, arcs: Arcs, count: int, cell: float, least: float
+) -> tuple[int, float]:
+    """Write the arcs of a slice behind the first `count`: how many there are then, and the angle of the deepest place
+    (nan: there is none). Arcs nowhere deeper than `least` are left out."""
+    z, radius = slices.z[j], slices.radius[j]
+    begin, end = outward(pose, z, radius, slices.across[j], slices.along[j])
+    best, deepest = math.nan, least
+    if end <= begin:
+        return count, best
+    shortest = min(max(cell / max(radius, cell), (end - begin) / MOST_SAMPLES), (end - begin) / LEAST_SAMPLES)
+    whole, most = end - begin >= TURN, FAR * cell
+    first = count
+    entry, top, before = math.nan, -most, begin
+    phi, ahead = begin + 0.5 * shortest, 0
+    while phi < end:
+        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
+        if depth > deepest:
+            best, deepest = phi, depth
+        if depth > 0.0:
+            if math.isnan(entry):
+                entry = begin if before == begin else border(field, pose, z, radius, phi, before, most, ahead)
+                top = depth
+            top = max(top, depth)
+        elif not math.isnan(entry):
+            if top > least and count < len(arcs.slice):
+                arcs.slice[count], arcs.entry[count] = j, entry
+                arcs.exit[count] = border(field, pose, z, radius, before, phi, most, ahead)
+                count += 1
+            entry = math.nan
+        before = phi
+        # no border is nearer than the depth; near edges the depth is not that sure
+        phi += max(shortest, SURE * abs(depth) / max(radius, cell))
+    if not math.isnan(entry) and top > least and count < len(arcs.slice):
+        arcs.slice[count], arcs.entry[count], arcs.exit[count] = j, entry, end
+        count += 1
+        # of a whole turn, the last arc goes on as the first
+        if whole and count - first > 1 and arcs.entry[first] == begin:
+            arcs.entry[first] = arcs.entry[count - 1] - TURN
+            count -= 1
+    for k in range(first, count):
+        # what is below zero by rounding is zero
+        turns = math.floor(arcs.entry[k] / TURN + 1e-12) * TURN
+        arcs.entry[k] = max(arcs.entry[k] - turns, 0.0)
+        arcs.exit[k] = min(arcs.exit[k] - turns, arcs.entry[k] + TURN)
+    return count, best
+
+
+@jit()
+def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: float) -> float:
+    """The share of the flat end, by area, that moves into material."""
+    rings = min(max(math.ceil(radius / cell), 2), 24)
+    found, ahead = 0.0, 0
+    if -pose[MOTION, 2] + radius * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1])) <= 0.0:
+        return found
+    for ring in range(rings):
+        r = radius * (ring + 0.5) / rings
+        samples = min(max(math.ceil(TURN * r / cell), 6), 96)
+        inside = 0
+        for k in range(samples):
+            phi = TURN * (k + 0.5) / samples
+            # turning about left moves what is ahead downwards, turning about the feed what is on the left upwards
+            down = -pose[MOTION, 2] + r * (pose[TURNING, 0] * math.sin(phi) - pose[TURNING, 1] * math.cos(phi))
+            if down > LEAST_CHIP * (abs(pose[MOTION, 0]) + abs(pose[MOTION, 1])):
+                depth, ahead = depth_on(field, pose, 0.0, r, phi, FAR * cell, ahead)
+                inside += depth > least
+        found += (2 * ring + 1) * inside / samples
+    return found / (rings * rings)
+
+
+@jit()
+def height_of_border(
+    field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
+) -> float:
+    """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
+    inside, outside, ahead = 0.0, 1.0, 0
+    for _ in range(HALVINGS):
+        share = 0.5 * (inside + outside)
+        z = slices.z[j] + share * (slices.z[k] - slices.z[j])
+        radius = slices.radius[j] + share * (slices.radius[k] - slices.radius[j])
+        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
+        if depth > 0.0:
+            inside = share
+        else:
+            outside = share
+    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
+    return height
+
+
+@jit()
+def contact(
+    field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
+    least: float,
+) -> tuple[int, float, float, float]:
+    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end."""
+    last, most = len(slices.z) - 1, FAR * cell
+    lowest, highest = -1, -1
+    low_phi, high_phi = 0.0, 0.0
+    width = 0.0
+    bottom = max(int(low / slices.height - 0.5), 0)
+    for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
+        first = count
+        count, phi = slice_arcs(field, pose, slices, j, arcs, count, cell, least)
+        if count > first:
+            if lowest < 0:
+                lowest, low_phi = j, phi
+            highest, high_phi = j, phi
+            left, right = -2.0, 2.0
+            for k in range(first, count):
+                a, b = arcs.entry[k], arcs.exit[k]
+                left, right = max(left, math.cos(a), math.cos(b)), min(right, math.cos(a), math.cos(b))
+                if a <= math.pi <= b or b >= 3.0 * math.pi:
+                    right = -1.0
+                if b >= TURN:
+                    left = 1.0
+            width = max(width, slices.radius[j] * (left - right))
+    depth = 0.0
+    if lowest >= 0:
+        low, high = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
+        if lowest > 0:
+            low = height_of_border(field, pose, slices, lowest, lowest - 1, low_phi, most)
+        if highest < last:
+            high = height_of_border(field, pose, slices, highest, highest + 1, high_phi, most)
+        depth = high - low
+    flat = flat_share(field, pose, slices.flat, cell, least) if slices.flat > 0.0 else 0.0
+    return count, width, depth, flat
