@@ -22,7 +22,7 @@ from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import DEGREE, FARTHEST_PART, LONGEST_TOOL, METRES, MILLIMETRE, RADIANS, refuse_other_unit
 from toolpace.machine.machine import Machine
-from toolpace.programs.reading.setup_file import ANGLES, LENGTHS, TablesInUnits
+from toolpace.programs.reading.setup_tables.quantities import ANGLES, LENGTHS, TablesInUnits
 from toolpace.setup_search.clamping import WHOLE_TURN, Clamping
 
 NAMES = ("turn", "tilt", "swing", "x", "y", "z", "tool_length", "side")

@@ -86,7 +86,7 @@ def test_a_sheet_is_written_so_that_it_reads_as_the_same_to_the_last_digit():
         ("[offsets.G54]\nX = 2e6", ["X = 2000000.0", "more than 1e+06 mm", "check its unit"]),
         ('[offsets."G54.1 P1"]\nX = 1\n[offsets."G54.1P1"]\nX = 2', ["stands twice", "keep one"]),
         ("[tools.1]\nlength = -1", ["[tools.1]", "length = -1", "below zero"]),
-        ("[tools.1]\nradius = 1", ["[tools.1]", "has no length", "mm"]),
+        ("[tools.1]", ["[tools.1]", "says nothing", "mm"]),
         ("[tools.1]\nlength = 1\nlenght = 2", ["'lenght'", "did you mean 'length'"]),
         ("[references.9]\nX = 1", ["[references.9]", "1 to 4"]),
         ('[units]\nlength = "cm"', ["length = 'cm'", "'mm', 'm', 'in'"]),
@@ -125,7 +125,7 @@ def test_a_machine_file_may_hold_the_sheet_in_its_own_units():
     assert np.array_equal(machine.forward(np.ones((1, 5)))[0], plain.forward(np.ones((1, 5)))[0])
     with pytest.raises(MachineError, match="setup must be a table"):
         Machine.from_toml(plain.to_toml().replace('name = "xyzac', 'setup = 3\nname = "xyzac', 1))
-    with pytest.raises(UsageError, match=r"mill.toml: \[setup\]: \[tools.3\] has no length"):
+    with pytest.raises(UsageError, match=r"mill.toml: \[setup\]: \[tools.3\] says nothing"):
         setup_in(Machine.from_toml(text.replace("length = 100", ""), "mill.toml"))
 
 

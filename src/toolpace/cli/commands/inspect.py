@@ -89,7 +89,9 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     names = [name for each in found for name in (each.read_on, *each.machines) if name]
     machine = next((each for name in names for each in machines if each.name == name), None)
     present = reading.options(machine).setup
-    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present))
+    tips = [each.tip for each in found if each.tip is not None]
+    tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
+    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present, tip))
 
 
 def show(console: Console, found: Sequence[Inspection]) -> None:

@@ -22,7 +22,6 @@ FARTHEST = 1e3
 """Most of a coordinate [m]: more is a slip of units."""
 AXIS_ROUNDING = 0.02
 """How far the length of a tool axis may be from 1: programs round it to three to six decimals."""
-NOT_LISTED = "tool {} is not on the set-up sheet: it is as long as the machine's own"
 ONLY_TOOL = "the program names no tool: {}, the only one of the set-up sheet, is in the spindle"
 NO_SHEET = (
     "no set-up sheet tells the lengths of tools: each is as long as the machine's own, {:g} mm on {} ([tools] of "
@@ -177,7 +176,7 @@ def programmed_lengths(lengths: Floats, machine: Kinematics | None) -> Floats | 
 
 
 class ToolLengths:
-    """The tool table of a set-up sheet, and the machine's own tool for what is not on it."""
+    """The tool table of a set-up sheet, and the machine's own tool for what has no length on it."""
 
     def __init__(self, source: Source, setup: SetUp, machine: Kinematics | None, findings: Findings) -> None:
         self.source, self.setup, self.machine, self.findings = source, setup, machine, findings
@@ -189,11 +188,11 @@ class ToolLengths:
     def along(self, operations: Sequence[Operation], operation: Ints, line: Ints) -> Floats | None:
         """(n,) length of the tool in the spindle on the way to each point [m], from its operation (n,).
 
-        None where the sheet lists no tools. `line` (n,) is for messages. Raises ProgramError where the sheet does not
+        None where the sheet tells no lengths. `line` (n,) is for messages. Raises ProgramError where the sheet does not
         list a tool, and no machine tells another length.
         """
         self.findings.used.tools.update(dict.fromkeys(each.tool for each in operations if each.tool))
-        if not self.setup.tools:
+        if not self.setup.tells_lengths:
             if self.machine is not None:
                 self.findings.assumed(NO_SHEET.format(float(self.machine.tool_length) * 1e3, self.machine.name))
             return None
@@ -216,9 +215,9 @@ class ToolLengths:
         if not tool and len(tools) == 1:
             (only,) = tools
             self.findings.assumed(ONLY_TOOL.format(only))
-            return tools[only].length
+            tool = only
         found = self.setup.tool(tool)
-        if found is not None:
+        if found is not None and found.length is not None:
             return found.length
-        self.findings.assumed(NOT_LISTED.format(tool) if tool else NO_TOOL)
+        self.findings.assumed(self.setup.length_doubt(tool) if tool else NO_TOOL)
         return np.nan if self.machine is None else float(self.machine.tool_length)

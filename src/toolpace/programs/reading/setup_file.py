@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from toolpace.common.errors import ReachError, UsageError, printable
-from toolpace.common.files.toml import TableFile, Tables, toml_key, toml_text
-from toolpace.common.units import DEGREE, INCH, MILLIMETRE
+from toolpace.common.files.toml import TableFile, toml_key, toml_text, toml_value
+from toolpace.common.units import MILLIMETRE
 from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
 from toolpace.programs.reading.coordinates.setup import (
     LONGEST_CHANGE,
@@ -22,26 +22,27 @@ from toolpace.programs.reading.coordinates.setup import (
     ZERO_CURE,
     Position,
     SetUp,
-    Tool,
+    offset_name,
     tool_name,
 )
 from toolpace.programs.reading.coordinates.work_coordinates import Datum
 from toolpace.programs.reading.findings import Used
 from toolpace.programs.reading.points import FARTHEST
+from toolpace.programs.reading.setup_tables.quantities import ANGLES, LENGTHS, MOST_TURN
+from toolpace.programs.reading.setup_tables.tools import TO_FILL_IN, ToolTables, tool_table, tool_table_to_fill_in
+from toolpace.programs.reading.setup_tables.workpiece import STOCK_TO_FILL_IN, WorkpieceTables, workpiece_tables
 
 FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
-TABLES = ("units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times")
-LONGEST_TOOL, MOST_TURN = 10.0, 1e6
-"""Most of a tool [m], of an angle [rad]: more is a slip of units."""
+TABLES = (
+    "units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times", "stock",
+    "finished_part", "fixtures",
+)  # fmt: skip
 MOST_REFERENCES = 4
 LONGEST_NAME = 100
 """Characters of a heading or a variable."""
 Key = TypeVar("Key")
 Value = TypeVar("Value")
-_P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
-LENGTHS = {"mm": MILLIMETRE, "m": 1.0, "in": INCH}
-ANGLES = {"deg": DEGREE, "rad": 1.0}
 HEAD = """\
 # Set-up sheet of {program}{machine}.
 # The figures are those that are taken without a sheet: put in those of the machine, and give it with --setup FILE.
@@ -60,43 +61,29 @@ TOOL = "From the spindle nose to the tip, as the control's tool table has it; wi
 _OUT_OF_TRAVEL = re.compile(r" its limit of \S+ mm")
 
 
-class TablesInUnits(Tables):
-    """One reading of such a file."""
-
-    def __init__(self, source: str, raw: Mapping[str, Any], name: str, tables: tuple[str, ...]) -> None:
-        """name: what the file is called in messages; tables: those that it may have."""
-        super().__init__(source, raw)
-        self.refuse_unknown_keys(name, raw, tables)
-        units = self.table("units")
-        self.refuse_unknown_keys("[units]", units, ("length", "angle"))
-        self.length = self._unit(units, "length", LENGTHS, "mm")
-        self.angle = self._unit(units, "angle", ANGLES, "deg")
-
-    def _unit(self, units: Mapping[str, object], key: str, scales: Mapping[str, float], usual: str) -> str:
-        found = units.get(key, usual)
-        if not isinstance(found, str) or found not in scales:
-            self.fail("[units]", f"{key} = {found!r:.40} is not known; write one of {', '.join(map(repr, scales))}")
-        return found
-
-
 def load_setup(path: str | Path) -> SetUp:
     """The set-up sheet in a file. Raises UsageError naming file, key and cure."""
-    return setup_of_text(FILE.text(path), str(path))
+    return setup_of_text(FILE.text(path), str(path), Path(path).parent)
 
 
-def setup_of_text(text: str, source: str = "set-up sheet") -> SetUp:
-    """A set-up sheet from its text; `source` names it in messages. Raises UsageError."""
-    return setup_of_table(FILE.table(text, source), source)
+def setup_of_text(text: str, source: str = "set-up sheet", folder: Path | None = None) -> SetUp:
+    """A set-up sheet from its text; `source` names it in messages. Raises UsageError.
+
+    folder: what names of meshes count from; None: the folder of the process.
+    """
+    return setup_of_table(FILE.table(text, source), source, folder)
 
 
-def setup_of_table(table: Mapping[str, object], source: str) -> SetUp:
+def setup_of_table(table: Mapping[str, object], source: str, folder: Path | None = None) -> SetUp:
     """A set-up sheet from its tables, as they stand in the file. Raises UsageError."""
-    return _Sheet(source, table, "the sheet", TABLES).read()
+    sheet = _Sheet(source, table, "the sheet", TABLES)
+    sheet.folder = folder or Path()
+    return sheet.read()
 
 
 def setup_text(setup: SetUp) -> str:
     """The text of a sheet that reads as exactly this set-up, in metres and radians."""
-    tools = {name: tool.figures() for name, tool in setup.tools.items()}
+    tools = {name: tool_table(tool) for name, tool in setup.tools.items()}
     tables: dict[str, Mapping[str, object]] = {
         "offsets": {name: dict(place) for name, place in setup.offsets.items()},
         "references": {str(number): dict(place) for number, place in setup.references.items()},
@@ -106,6 +93,7 @@ def setup_text(setup: SetUp) -> str:
         "start": dict(setup.start),
         "variables": dict(setup.variables),
         "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
+        **workpiece_tables(setup.workpiece),
     }
     filled = {name: table for name, table in tables.items() if table}
     return toml_text({"units": {"length": "m", "angle": "rad"}, **filled})
@@ -115,7 +103,7 @@ def setup_in(machine: object) -> SetUp:
     """The set-up sheet in the file of a machine; an empty one where there is none. Raises UsageError."""
     table = getattr(machine, "setup", None)
     source = str(getattr(machine, "source", "") or getattr(machine, "name", "") or "machine file")
-    return setup_of_table(table, f"{source}: [setup]") if table else SetUp()
+    return setup_of_table(table, f"{source}: [setup]", Path(source).parent) if table else SetUp()
 
 
 def check_setup(setup: SetUp, machine: Kinematics) -> None:
@@ -140,7 +128,7 @@ def check_setup(setup: SetUp, machine: Kinematics) -> None:
         )
 
 
-class _Sheet(TablesInUnits):
+class _Sheet(ToolTables, WorkpieceTables):
     """One reading of one sheet."""
 
     def read(self) -> SetUp:
@@ -154,6 +142,7 @@ class _Sheet(TablesInUnits):
             variables=self.variables(),
             part=self.part(),
             tool_change=self.tool_change(),
+            workpiece=self.workpiece(),
         )
 
     def named(
@@ -201,37 +190,15 @@ class _Sheet(TablesInUnits):
                 found[letter] = self.quantity(place, letter, value, self.length, LENGTHS, FARTHEST)
         return found
 
-    def tool(self, place: str, table: Mapping[str, object]) -> Tool:
-        keys = ("length", "radius", "corner_radius")
-        self.refuse_unknown_keys(place, table, keys)
-        if "length" not in table:
-            self.fail(place, f"has no length; write the way from the spindle nose to the tip [{self.length}]")
-        figures = [self.quantity(place, key, table.get(key, 0.0), self.length, LENGTHS, LONGEST_TOOL) for key in keys]
-        for key, value in zip(keys, figures):
-            if value < 0.0:
-                cure = "it from the spindle nose, above zero"
-                if key != "length":
-                    cure = "the tool's own, from zero on: for a negative one of a control G41 and G42 change places"
-                self.fail(place, f"{key} = {table[key]!r} is below zero; write {cure}")
-        length, radius, corner = figures
-        radii = (radius if "radius" in table else None, corner if "corner_radius" in table else None)
-        return Tool(length, *radii)
-
     def part(self) -> dict[str, tuple[float, float, float]]:
         table = self.table("part")
         self.refuse_unknown_keys("[part]", table, ("origin", "x", "z"))
-        found: dict[str, tuple[float, float, float]] = {}
-        for key, value in table.items():
-            if not isinstance(value, list) or len(value) != 3:
-                self.fail("[part]", f"{key} = {value!r:.40} is not three numbers; write it like {key} = [0, 0, 1]")
-            if key == "origin":
-                x, y, z = (self.quantity("[part]", key, each, self.length, LENGTHS, FARTHEST) for each in value)
-            else:
-                x, y, z = (self.number("[part]", key, each) for each in value)
-                if not math.hypot(x, y, z) > 0.0:
-                    self.fail("[part]", f"{key} has no length; write the direction of the part's {key} at the bed")
-            found[key] = (x, y, z)
-        return found
+        return {
+            key: self.place_of("[part]", key, value, FARTHEST)
+            if key == "origin"
+            else self.direction_of("[part]", key, value)
+            for key, value in table.items()
+        }
 
     def tool_change(self) -> float:
         times = self.table("times")
@@ -240,33 +207,6 @@ class _Sheet(TablesInUnits):
         if not 0.0 <= found <= LONGEST_CHANGE:
             self.fail("[times]", f"tool_change = {found:g} is not between 0 and {LONGEST_CHANGE:g} s: correct it")
         return found
-
-    def quantity(
-        self, place: str, key: str, value: object, unit: str, scales: Mapping[str, float], most: float
-    ) -> float:
-        """A number in its unit, in m or rad."""
-        found = self.number(place, key, value, unit) * scales[unit]
-        if not abs(found) <= most:
-            self.fail(place, f"{key} = {value!r:.40} is more than {most / scales[unit]:g} {unit}: check its unit")
-        return found
-
-    def number(self, place: str, key: str, value: object, unit: str = "") -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            self.fail(
-                place, f"{key[:40]} = {value!r:.40} is not a number; write it{f' in {unit}' * bool(unit)} like 12.5"
-            )
-        try:
-            found = float(value)
-        except OverflowError:
-            found = math.inf
-        if not math.isfinite(found):
-            self.fail(place, f"{key[:40]} = {str(value)[:40]} is not finite; write a number")
-        return found
-
-
-def offset_name(heading: str) -> str:
-    """The name of a work offset as readers call it: G54, "G54.1 P12"."""
-    return _P_WORD.sub(" P", " ".join(heading.upper().split()))
 
 
 @contextmanager
@@ -284,10 +224,17 @@ def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
         raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
 
 
-def setup_sheet(program: str, used: Used, machine: Kinematics | None, setup: SetUp) -> str:
+def setup_sheet(
+    program: str,
+    used: Used,
+    machine: Kinematics | None,
+    setup: SetUp,
+    tip: Sequence[tuple[float, float]] | None = None,
+) -> str:
     """The text of a sheet (TOML) with all that the program uses, one line a figure.
 
     machine: tells the axes and the stand-ins; None: X, Y and Z at zero. setup: figures of a sheet that there is.
+    tip: (3, 2) least and most of X, Y and Z of the tip [m].
     """
     poses = Poses(machine)
     own, filled = Datum(poses, SetUp()), Datum(poses, setup)
@@ -303,9 +250,22 @@ def setup_sheet(program: str, used: Used, machine: Kinematics | None, setup: Set
         parts.append(_table(f"references.{number}", said, filled.reference(number)))
     for name in dict.fromkeys(map(tool_name, [*used.tools, *setup.tools])):
         tool = setup.tool(name)
-        figures = {"length": own.own_length} if tool is None else tool.figures()
-        parts.append(_table(f"tools.{toml_key(name)}", TOOL, figures))
+        table: dict[str, Any] = tool_table_to_fill_in(tool, own.own_length)
+        lines = [f"# {TOOL}", f"[tools.{toml_key(name)}]", *(f"{key} = {toml_value(table[key])}" for key in table)]
+        shape = tool is not None and tool.figures is not None
+        parts.append("\n".join(lines) + "\n" + ("" if shape else TO_FILL_IN))
+    parts.append(_workpiece(setup, tip))
     return "\n".join(parts)
+
+
+def _workpiece(setup: SetUp, tip: Sequence[tuple[float, float]] | None) -> str:
+    """The tables of the workpiece, in mm; lines to fill in where there is no stock."""
+    tables = workpiece_tables(setup.workpiece, MILLIMETRE)
+    if "stock" in tables:
+        return toml_text(tables)
+    corners = [", ".join(f"{each[end] * 1e3:.6g}" for each in tip) for end in (0, 1)] if tip else []
+    extent = f"\n# The tip of the tool goes from [{corners[0]}] to [{corners[1]}]." if corners else ""
+    return STOCK_TO_FILL_IN.format(extent=extent) + (f"\n{toml_text(tables)}" if tables else "")
 
 
 def _origin(own: Datum, filled: Datum) -> list[float]:

@@ -17,7 +17,7 @@ from toolpace.programs.reading.coordinates.setup import OFFSETS_UNSAID, ZERO_UNS
 from toolpace.programs.reading.coordinates.work_coordinates import Coordinates, Datum, Placement
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.options import ReadOptions
-from toolpace.programs.reading.points import NO_SHEET, NOT_LISTED
+from toolpace.programs.reading.points import NO_SHEET
 from toolpace.programs.reading.source import Source
 
 REPEATED = 400_000
@@ -143,7 +143,7 @@ class ControlState:
         """Read the place of the machine in new coordinates: it stays where it is."""
         self.effort.changes += 1
         old, new = self.placement, self.coordinates.placement(self.tool)
-        if self.coordinates.reckons and not self.setup.tools and self.poses.machine is not None:
+        if self.coordinates.reckons and not self.setup.tells_lengths and self.poses.machine is not None:
             self.findings.assumed(NO_SHEET.format(self.datum.own_length * 1e3, self.poses.machine.name))
         if new == old:
             return
@@ -257,8 +257,8 @@ class ControlState:
         if not tool:
             return
         self.findings.used.tools.setdefault(tool)
-        if self.setup.tools and self.setup.tool(tool) is None:
-            self.findings.assumed(NOT_LISTED.format(tool))
+        if doubt := self.setup.length_doubt(tool):
+            self.findings.assumed(doubt)
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""

@@ -1,11 +1,14 @@
-"""The set-up sheet: offsets, references, machine zero, tools."""
+"""The set-up sheet: offsets, references, machine zero, tools, workpiece."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, refuse_other_unit
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.tool_figures import ToolFigures
 
 Position = Mapping[str, float]
 """Machine coordinates by axis letter [m, rad]; an axis that is not there is not known."""
@@ -18,6 +21,7 @@ ZERO_CURE = (
     "writes one to fill in"
 )
 """What to do where a machine leaves its travel, and machine zero is a stand-in."""
+_P_WORD = re.compile(r"(?<=[0-9])[ \t]*P[ \t]*(?=[0-9])")
 
 
 LONGEST_CHANGE = 3600.0
@@ -28,21 +32,22 @@ LONGEST_CHANGE = 3600.0
 class Tool:
     """A line of the tool table."""
 
-    length: float
-    """From the spindle nose to the tip [m]."""
+    length: float | None = None
+    """From the spindle nose to the tip [m]; None where the sheet does not tell it: as the machine's own."""
     radius: float | None = None
-    """[m]; None where the sheet does not tell it."""
+    """That the control compensates [m]; None where the sheet does not tell it."""
     corner_radius: float | None = None
     """Of the ball or the torus at its tip (R2 of Heidenhain's tool table) [m]; None where nothing tells it."""
+    figures: ToolFigures | None = None
+    """Its shape, for what it cuts; None where the sheet does not tell it."""
 
     def __post_init__(self) -> None:
-        refuse_other_unit(self.length, LONGEST_TOOL, "tool: length", METRES)
-        for name in ("radius", "corner_radius"):
+        for name in ("length", "radius", "corner_radius"):
             if (figure := getattr(self, name)) is not None:
                 refuse_other_unit(figure, LONGEST_TOOL, f"tool: {name}", METRES)
 
-    def figures(self) -> dict[str, float]:
-        """What is known of it, by the key of the sheet [m]."""
+    def control_figures(self) -> dict[str, float]:
+        """What the control's own table would have of it, by the key of the sheet [m]."""
         values = {"length": self.length, "radius": self.radius, "corner_radius": self.corner_radius}
         return {key: figure for key, figure in values.items() if figure is not None}
 
@@ -74,6 +79,8 @@ class SetUp:
 
     tool_change: float = 0.0
     """Time that the machine takes to change a tool [s]."""
+    workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
+    """Stock, finished part and fixtures, as far as it tells of them."""
 
     def __post_init__(self) -> None:
         # machine coordinates of linear axes; those of rotary ones may be any angle
@@ -91,6 +98,25 @@ class SetUp:
         """Whether it does not say where machine zero is in each of X, Y and Z."""
         return not {"X", "Y", "Z"} <= set(self.machine_zero)
 
+    @property
+    def tells_lengths(self) -> bool:
+        """Whether it tells the length of any tool: without one all are as long as the machine's own."""
+        return any(tool.length is not None for tool in self.tools.values())
+
+    def length_doubt(self, tool: str) -> str:
+        """A sentence on what is taken for the length of a tool, where the sheet tells those of others only; else ""."""
+        found = self.tool(tool)
+        if not self.tells_lengths or (found is not None and found.length is not None):
+            return ""
+        lacks = "is not on the set-up sheet" if found is None else "has no length on the set-up sheet"
+        return f"tool {tool} {lacks}: it is as long as the machine's own"
+
+    def figures_of(self, tool: str) -> ToolFigures | None:
+        """The shape of a tool; of the only one of the sheet where the program names none ("")."""
+        only = not tool and len(self.tools) == 1
+        found = next(iter(self.tools.values())) if only else self.tool(tool)
+        return None if found is None else found.figures
+
     def tool(self, name: str) -> Tool | None:
         """The line of a tool, however its number is written (5, 05); None where there is none."""
         return self.tools.get(tool_name(name))
@@ -100,3 +126,8 @@ def tool_name(written: str) -> str:
     """A tool's name as the table has it: numbers without leading zeros."""
     name = " ".join(written.split())
     return str(int(name)) if name.isascii() and name.isdigit() and len(name) < 20 else name
+
+
+def offset_name(heading: str) -> str:
+    """The name of a work offset as readers call it: G54, "G54.1 P12"."""
+    return _P_WORD.sub(" P", " ".join(heading.upper().split()))

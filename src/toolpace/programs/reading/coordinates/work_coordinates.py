@@ -91,14 +91,14 @@ class Datum:
         return found | dict(self.setup.references.get(number, {}))
 
     def length(self, tool: str) -> float:
-        """Length of a tool of the table [m]; of the machine's own where there is none.
+        """Length of a tool of the table [m]; of the machine's own where it has none.
 
         Where the program has named none, the only one of the table is in the spindle.
         """
         tools = self.setup.tools
         only = not tool and len(tools) == 1 and self.poses.machine is not None
         found = next(iter(tools.values())) if only else self.setup.tool(tool)
-        return self.own_length if found is None else found.length
+        return self.own_length if found is None or found.length is None else found.length
 
     def origin(self, offset: str) -> list[float]:
         """Joint positions (3 + rotary) at the origin of a work offset, with the machine's own tool."""

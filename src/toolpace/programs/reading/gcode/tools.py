@@ -135,7 +135,7 @@ class Tools:
             taken = taken if tool else "that of the machine's own tool, since no T or H names one"
             control.findings.assumed(f"{word} without H: the length is {taken}")
         # no tool, or number 0 of a table: its length is zero
-        without = tool in ("", "0") and control.setup.tools and control.setup.tool(tool) is None
+        without = tool in ("", "0") and control.setup.tells_lengths and control.setup.tool(tool) is None
         control.set_length(None if without else tool)
 
     def told_offset(self, numbers: Numbers, word: str) -> None:
@@ -160,8 +160,8 @@ class Tools:
             raise BlockError(f"{word} needs the number of a tool as H: write it like {word} H5")
         if tool:
             found = control.setup.tool(f"{tool:g}")
-            if found is None:
-                raise BlockError(f"{word} H{tool:g} is not on the set-up sheet: list the tool there")
+            if found is None or found.length is None:
+                raise BlockError(f"{word} H{tool:g} has no length on the set-up sheet: list the tool there")
             offset[2] += found.length
         for slot, value in words.items():
             offset[slot] += value
@@ -176,8 +176,8 @@ class Tools:
         return {slot: numbers.pop(letter) * unit for slot, letter in enumerate("XYZ") if letter in numbers}
 
     def _need_tools(self, word: str) -> None:
-        if not self.control.setup.tools:
-            raise RefusedError(word, "it counts from the spindle: list the tools on the set-up sheet (--setup)")
+        if not self.control.setup.tells_lengths:
+            raise RefusedError(word, "it counts from the spindle: list the lengths of tools on the sheet (--setup)")
 
     def _offset(self, offset: list[float]) -> None:
         x, y, length = offset

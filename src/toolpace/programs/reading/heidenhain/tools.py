@@ -13,7 +13,6 @@ from toolpace.programs.reading.heidenhain.frames import Frames
 from toolpace.programs.reading.heidenhain.parameters import Parameters, evaluate
 from toolpace.programs.reading.heidenhain.state import State
 from toolpace.programs.reading.heidenhain.words import VALUE, signed
-from toolpace.programs.reading.points import NOT_LISTED
 
 _TOOL = re.compile(r"\s*(?:\"([^\"]*)\"|(QS[0-9]+)|(Q[LR]?[0-9]+)|([0-9]+(?:\.[0-9]+)?))?")
 _WORD = re.compile(r"\s*(?:([UVWXYZ])(?![-+0-9.,Q])|(DL|DR2|DR|VC|S|F)\s*(" + VALUE + ")?)")
@@ -115,8 +114,8 @@ class Tools:
         tool = table.get(tool, tool)
         if tool != control.tool or tool == "0":
             control.change_tool(tool)
-        if tool and tool not in control.setup.tools and control.setup.tools:
-            control.findings.assumed(NOT_LISTED.format(tool))
+        if tool and (doubt := control.setup.length_doubt(tool)):
+            control.findings.assumed(doubt)
         control.set_length(None if tool == "0" else tool, figures.get("DL", 0.0) * self.state.unit)
         listed = control.setup.tool(tool)
         if listed is None or listed.radius is None:

@@ -71,7 +71,7 @@ class Tooling:
                 raise BlockError(f"D{edge:g} is no number of a cutting edge (alarm 14090): write D1, or D0 for none")
             self._refuse_within(f"D{edge:g}")
             self.edge = round(edge)
-            if self.edge > 1 and self.control.setup.tools:
+            if self.edge > 1 and self.control.setup.tells_lengths:
                 self.control.findings.assumed(f"D{self.edge} has the length that the sheet tells of the tool")
             self.control.set_length(None if self.edge == 0 else "")
         overshoot = number(words, "DISC")

@@ -81,12 +81,20 @@ class System:
         if name in ("$TC_DP3", "$TC_DP6") and index:
             tool = self.control.setup.tools.get(str(whole(index[0])))
             if tool is not None:
-                return (tool.length if name == "$TC_DP3" else self._radius(name, tool)) / self.state.unit_of_control()
+                length = self._length if name == "$TC_DP3" else self._radius
+                return length(name, tool) / self.state.unit_of_control()
         if name == "$P_PFRAME" and not index and not self.frames.turns_words:
             return self.frames.programmed()
         if name == "$P_UIFR" and len(index) == 1 and whole(index[0]) in self.frames.settable:
             return self.frames.settable[whole(index[0])]
         raise Unread(name, _CURE)
+
+    @staticmethod
+    def _length(name: str, tool: Tool) -> float:
+        """Length of a tool of the sheet [m]; Unread where it tells none."""
+        if tool.length is None:
+            raise Unread(name, "the set-up sheet tells no length of the tool: write it there")
+        return tool.length
 
     @staticmethod
     def _radius(name: str, tool: Tool) -> float:

@@ -1,0 +1,1 @@
+"""The tables of a set-up sheet: figures in its units, tools, and the solids of the workpiece."""
