@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.uncertainty import FigureEffect, TimeRange
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
-    from toolpace.cutting.forces import CuttingForces
+    from toolpace.cutting.forces.fixed_engagement import CuttingForces
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.new_trajectory import replan
@@ -183,7 +183,7 @@ _HOME = {
     "Controller": "programs.reading.controllers.controller",
     "Cut": "machine.cutting_tool",
     "Cutter": "machine.cutting_tool",
-    "CuttingForces": "cutting.forces",
+    "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.planned_run",
     "Engagement": "machine.cutting_tool",
