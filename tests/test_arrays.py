@@ -19,7 +19,7 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
-    "BendingCompensation", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime",
+    "BendingCompensation", "CutLoads", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime",
     "SetPoint",
     "deflection.Projection", "PathRun",
 )  # fmt: skip

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.uncertainty import FigureEffect, TimeRange
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
+    from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
     from toolpace.cutting.forces.fixed_engagement import CuttingForces
+    from toolpace.cutting.forces.material import Material
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.new_trajectory import replan
@@ -87,10 +89,12 @@ __all__ = [
     "Coefficients",
     "Controller",
     "Cut",
+    "CutLoads",
     "Cutter",
     "CuttingForces",
     "CuttingTool",
     "EndState",
+    "EngagedForces",
     "Engagement",
     "ExceededLimit",
     "Exported",
@@ -104,6 +108,7 @@ __all__ = [
     "Limits",
     "Machine",
     "MachineFile",
+    "Material",
     "Measurement",
     "Motion",
     "OpenPlace",
@@ -182,10 +187,12 @@ _HOME = {
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
     "Cut": "machine.cutting_tool",
+    "CutLoads": "cutting.forces.engaged",
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.planned_run",
+    "EngagedForces": "cutting.forces.engaged",
     "Engagement": "machine.cutting_tool",
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
@@ -199,6 +206,7 @@ _HOME = {
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
+    "Material": "cutting.forces.material",
     "Measurement": "deflection.following",
     "Motion": "motion",
     "OpenPlace": "motion.trajectory",

@@ -15,8 +15,6 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 
-LAG = math.radians(1.5)
-"""Most lag of the helix over a piece of the edge [rad]."""
 BEND = math.radians(6.0)
 """Most turning of the surface's normal over a piece [rad]: two points a piece integrate it to 1e-7."""
 END = 8
@@ -45,8 +43,11 @@ class CuttingEdge:
     """(p,) length of its piece of the meridian [m]."""
 
     @classmethod
-    def of(cls, tool: ToolFigures, slice_height: float, slices: int) -> CuttingEdge:
-        """The edge of a tool in slices of a height [m], from the tip up to where it ends. Raises UsageError."""
+    def of(cls, tool: ToolFigures, slice_height: float, slices: int, most_lag: float) -> CuttingEdge:
+        """The edge of a tool in slices of a height [m], from the tip up to where it ends. Raises UsageError.
+
+        most_lag: of the helix over a piece [rad].
+        """
         profile = ToolProfile.of(tool)
         slope = 2.0 * math.tan(tool.helix) / tool.diameter
         rows = [np.zeros((5, 0))]
@@ -55,7 +56,7 @@ class CuttingEdge:
             for part in profile.cutting:
                 low, high = max(j * slice_height, part[0]), min((j + 1) * slice_height, part[1])
                 if high > low:
-                    rows.append(_points(part, low, high, slope))
+                    rows.append(_points(part, low, high, slope, most_lag))
             first.append(sum(row.shape[1] for row in rows))
         if profile.flat_radius > 0.0:
             length = profile.flat_radius / END
@@ -66,7 +67,7 @@ class CuttingEdge:
         return cls(np.array(first), height, radius, kappa, slope * height, span, width)
 
 
-def _points(part: Floats, low: float, high: float, slope: float) -> Floats:
+def _points(part: Floats, low: float, high: float, slope: float, most_lag: float) -> Floats:
     """Height, radius, kappa, span of the lag and width (5, p) of points between two heights of a part of a profile.
 
     part: (6,) see `ToolProfile`.
@@ -74,14 +75,14 @@ def _points(part: Floats, low: float, high: float, slope: float) -> Floats:
     a, b, bow = part[2], part[3], part[4]
     lag = abs(slope) * (high - low)
     if bow == 0.0:
-        pieces = max(math.ceil(lag / LAG), 1)
+        pieces = max(math.ceil(lag / most_lag), 1)
         edges = np.linspace(low, high, pieces + 1)
         height = 0.5 * (edges[1:] + edges[:-1])
         width = np.full(pieces, (high - low) / pieces * math.hypot(1.0, b))
         kappa = np.full(pieces, math.atan2(1.0, b))
         return np.stack([height, a + b * height, kappa, np.full(pieces, lag / pieces), width])
     ends = np.arccos(np.clip((b - np.array([low, high])) / bow, -1.0, 1.0))
-    pieces = max(math.ceil(lag / LAG), math.ceil((ends[1] - ends[0]) / BEND), 1)
+    pieces = max(math.ceil(lag / most_lag), math.ceil((ends[1] - ends[0]) / BEND), 1)
     edges = np.linspace(ends[0], ends[1], pieces + 1)
     turned = np.diff(edges)[:, None]
     kappa = (0.5 * (edges[1:] + edges[:-1])[:, None] + GAUSS * turned * np.array([-1.0, 1.0])).ravel()

@@ -132,6 +132,8 @@ def half_width(amplitude: float, level: float) -> float:
         return 0.0
     if level <= -amplitude:
         return math.pi
+    if level == 0.0:
+        return 0.5 * math.pi
     return math.acos(level / amplitude)
 
 
@@ -141,21 +143,25 @@ def chip_of(chip: Floats, edge: Edge, p: int, motion: Floats) -> None:
 
     motion: (4,) per tooth: across, along [m], turn of the axis along feed and normal.
     """
-    lever = edge.height[p] * edge.sine[p] + edge.radius[p] * edge.cosine[p]
-    chip[0] = edge.sine[p] * motion[0] + lever * motion[2]
-    chip[1] = lever * motion[3]
-    chip[2] = edge.cosine[p] * motion[1]
-    chip[3] = math.hypot(chip[0], chip[1])
-    chip[4] = math.atan2(chip[0], chip[1])
+    chip[0], chip[1], chip[2] = edge.sine[p] * motion[0], 0.0, edge.cosine[p] * motion[1]
+    if motion[2] != 0.0 or motion[3] != 0.0:
+        lever = edge.height[p] * edge.sine[p] + edge.radius[p] * edge.cosine[p]
+        chip[0] += lever * motion[2]
+        chip[1] = lever * motion[3]
+    chip[3], chip[4] = chip[0], 0.5 * math.pi
+    if chip[1] != 0.0 or chip[0] < 0.0:
+        chip[3], chip[4] = math.hypot(chip[0], chip[1]), math.atan2(chip[0], chip[1])
 
 
 @jit()
 def terms_of_point(
-    out: Floats, edge: Edge, p: int, teeth: Teeth, chip: Floats, lag: float, share: float, rest: float, scale: float
+    out: Floats, edge: Edge, p: int, teeth: Teeth, chip: Floats, shift: complex, share: float, rest: float, scale: float
 ) -> None:
-    """The terms of a point, with a chip of `share` times its thickness and `rest`; `scale` is that of its edge force."""
+    """The terms of a point with a chip of `share` times its thickness and `rest`; `scale` is of its edge force.
+
+    shift: exp(-i lag) of the lag behind the first tooth at the tip.
+    """
     slope, constant = teeth.slope * share, teeth.constant * scale
-    shift = complex(math.cos(lag), -math.sin(lag))
     wave = complex(chip[1], -chip[0]) * shift
     level = teeth.constant * rest - slope * chip[2]
     for k in range(3):
@@ -214,49 +220,55 @@ def grow(work: Work, k: int, by: float) -> None:
 
 
 @jit()
-def enter(work: Work, place: float, half: float, by: float) -> None:
-    """Have the point come in (by = 1) or go out (-1) at a place, over its span; both in steps between angles."""
-    if half == 0.0:
-        grow(work, math.ceil(place), by)
-        return
-    before = 0.0
-    for k in range(math.floor(place - half) + 1, math.ceil(place + half) + 1):
-        share = min(max((k - place + half) / (2.0 * half), 0.0), 1.0)
-        grow(work, k, by * (share - before))
-        before = share
+def add_at(work: Work, k: int, angle: float, share: float) -> None:
+    """Add a share of the point at angle k of the sums, as it is with the first tooth at an angle next to that."""
+    once = complex(math.cos(angle), math.sin(angle))
+    add_channels(work.sums[k % len(work.sums)], work.point, share, share * once, share * (once * once))
 
 
 @jit()
-def add_piece(work: Work, edge: Edge, p: int, begin: float, end: float, jumps_in: bool, jumps_out: bool) -> None:
-    """Add a point that is in material while the first tooth is between two angles.
+def add_piece(work: Work, span: float, begin: float, end: float, jumps_in: bool, jumps_out: bool) -> None:
+    """Add the point, in material while the first tooth is between two angles; span: of the lag over its piece.
 
     jumps_in, jumps_out: whether it comes from and goes to air there, not only to the chip of another tooth.
     """
     step = TURN / len(work.terms)
-    first, last = begin / step, end / step
-    half = 0.5 * edge.span[p] / step if edge.span[p] > STRAIGHT else 0.0
-    enter(work, first, half, 1.0)
-    enter(work, last, half, -1.0)
     one0, one1 = complex(math.cos(begin), math.sin(begin)), complex(math.cos(end), math.sin(end))
     once, twice = (one1 - one0) * complex(0.0, -1.0), (one1 * one1 - one0 * one0) * complex(0.0, -0.5)
     add_channels(work.mean, work.point, end - begin, once, twice)
-    if half > 0.0 or end - begin > TURN - STRAIGHT:
+    first, last, half = begin / step, end / step, 0.5 * span / step
+    if span > STRAIGHT:
+        k = math.floor(first - half) + 1
+        while k < last + half:
+            if first + half <= k <= last - half:
+                beyond = math.floor(last - half) + 1
+                grow(work, k, 1.0)
+                grow(work, beyond, -1.0)
+                k = beyond
+            else:
+                # the part of its piece that is in material stands in the middle of that part
+                low, high = max(k - half, first), min(k + half, last)
+                add_at(work, k, 0.5 * (low + high) * step, 0.5 * (high - low) / half)
+                k += 1
         return
-    # a straight edge comes in at once: the angle next to it takes the force at that very place
-    below, above = math.ceil(first) - 1, math.ceil(last)
-    if jumps_in and first - below <= 0.5:
-        add_channels(work.sums[below % len(work.sums)], work.point, 1.0, one0, one0 * one0)
-    if jumps_out and above - last < 0.5:
-        add_channels(work.sums[above % len(work.sums)], work.point, 1.0, one1, one1 * one1)
+    grow(work, math.ceil(first), 1.0)
+    grow(work, math.ceil(last), -1.0)
+    if end - begin < TURN - STRAIGHT:
+        # a straight edge comes in at once: the angle next to that takes the force at that very place
+        if jumps_in and first - math.ceil(first) + 1 <= 0.5:
+            add_at(work, math.ceil(first) - 1, begin, 1.0)
+        if jumps_out and math.ceil(last) - last < 0.5:
+            add_at(work, math.ceil(last), end, 1.0)
 
 
 @jit()
 def add_chip(
-    work: Work, edge: Edge, p: int, lag: float, chip: Floats, inner: float, outer: float, arc: tuple[float, float]
-) -> float:
-    """Add a point in an arc (entry, exit), where it is between two angles from the crest of its chip.
+    work: Work, span: float, lag: float, chip: Floats, inner: float, outer: float, arc: tuple[float, float],
+    from_air: bool,
+) -> float:  # fmt: skip
+    """Add the point in an arc (entry, exit), where it is between two angles from the crest of its chip.
 
-    The thickest chip there.
+    from_air: whether it cuts nothing beyond the outer angle. The thickest chip there.
     """
     thickest = 0.0
     crest = chip[4]
@@ -270,7 +282,7 @@ def add_chip(
             else:
                 continue
             low, high = low + k * TURN, high + k * TURN
-            jumps_in, jumps_out = inner == 0.0 or side < 0, inner == 0.0 or side > 0
+            jumps_in, jumps_out = from_air and (inner == 0.0 or side < 0), from_air and (inner == 0.0 or side > 0)
             if outer >= math.pi:  # a chip all around has no end
                 if inner == 0.0:
                     if k > turn:
@@ -286,15 +298,16 @@ def add_chip(
                 high, jumps_out = arc[1], True
             if high <= low:
                 continue
-            add_piece(work, edge, p, low + lag, high + lag, jumps_in, jumps_out)
+            add_piece(work, span, low + lag, high + lag, jumps_in, jumps_out)
             nearest = crest + TURN * round((0.5 * (low + high) - crest) / TURN)
-            thickest = max(thickest, chip[3] * math.cos(min(max(nearest, low), high) - nearest) - chip[2])
+            off = min(max(nearest, low), high) - nearest
+            thickest = max(thickest, (chip[3] * math.cos(off) if off != 0.0 else chip[3]) - chip[2])
     return thickest
 
 
 @jit()
 def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc: tuple[float, float], scale: float,
-              chip: Floats, reach: Floats) -> float:  # fmt: skip
+              origin: float, chip: Floats, reach: Floats) -> float:  # fmt: skip
     """Add a point, of all teeth, that is in material in an arc (entry, exit); the thickness of its chip.
 
     Of the chips that each tooth ahead would leave the thinnest is cut: over the thickness h of an even chip they are
@@ -305,14 +318,18 @@ def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc:
     if most <= 0.0:
         return thickest
     for tooth in range(1 if others == 1 else len(teeth.angle)):
-        lag = edge.lag[p] - teeth.angle[tooth]
-        h = max(-chip[3] - chip[2], 0.0)
+        lag = edge.lag[p] - teeth.angle[tooth] - origin
+        shift = complex(math.cos(lag), -math.sin(lag))
+        least = -chip[3] - chip[2]
+        h, from_air = max(least, 0.0), True
         for m in range(others):
-            ahead = teeth.angle[(tooth + m + 1) % len(teeth.angle)]
-            own = math.cos(teeth.runout_angle - teeth.angle[tooth] + edge.lag[p])
-            reach[m] = edge.sine[p] * teeth.runout * (own - math.cos(teeth.runout_angle - ahead + edge.lag[p]))
+            reach[m] = 0.0
+            if teeth.runout != 0.0:
+                ahead = teeth.angle[(tooth + m + 1) % len(teeth.angle)]
+                own = math.cos(teeth.runout_angle - teeth.angle[tooth] + edge.lag[p])
+                reach[m] = edge.sine[p] * teeth.runout * (own - math.cos(teeth.runout_angle - ahead + edge.lag[p]))
             h = max(h, -reach[m] / teeth.share[tooth, m])
-        while h < most:
+        while h < most or (from_air and h == most):
             # the lowest line just after h, and where the next one crosses it
             lowest, upto = 0, most
             for m in range(1, others):
@@ -323,17 +340,22 @@ def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc:
                 cross = (reach[m] - reach[lowest]) / (teeth.share[tooth, lowest] - teeth.share[tooth, m])
                 if cross > h:
                     upto = min(upto, cross)
-            terms_of_point(work.point, edge, p, teeth, chip, lag, teeth.share[tooth, lowest], reach[lowest], scale)
-            outer, inner = half_width(chip[3], h + chip[2]), half_width(chip[3], upto + chip[2])
-            thick = add_chip(work, edge, p, lag, chip, inner if upto < most else 0.0, outer, arc)
+            terms_of_point(work.point, edge, p, teeth, chip, shift, teeth.share[tooth, lowest], reach[lowest], scale)
+            # from the crest of the chip outwards its thickness falls from `upto` to h
+            outer = half_width(chip[3], h + chip[2]) if h > least else math.pi
+            inner = half_width(chip[3], upto + chip[2]) if upto < most else 0.0
+            thick = add_chip(work, edge.span[p], lag, chip, inner, outer, arc, from_air)
             thickest = max(thickest, thick * teeth.share[tooth, lowest] + reach[lowest])
-            h = upto
+            h, from_air = upto, False
     return thickest
 
 
 @jit()
-def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Floats) -> float:
-    """The forces of station i over a turn and their mean, in the workspace; the thickest chip."""
+def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Floats, origin: float) -> float:
+    """The forces of station i over a turn and their mean, in the workspace; the thickest chip.
+
+    origin: angle of the first tooth at the tip at which the turn begins.
+    """
     work.terms[:] = 0.0
     work.carried[:] = 0.0
     work.mean[:] = 0.0
@@ -344,19 +366,23 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
         if arcs.slice[a] < flat:
             for p in range(edge.first[arcs.slice[a]], edge.first[arcs.slice[a] + 1]):
                 arc = arcs.entry[a], arcs.exit[a]
-                thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, 1.0, chip, reach))
+                thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, 1.0, origin, chip, reach))
     if arcs.bottom[i] > 0.0 and motion[1] < 0.0:
         # that part of the flat end is taken as a sector ahead
         arc = 0.5 * math.pi - math.pi * arcs.bottom[i], 0.5 * math.pi + math.pi * arcs.bottom[i]
         scale = min(1.0, -motion[1] / (RAMP * math.hypot(motion[0], motion[1])))
         for p in range(edge.first[flat], edge.first[flat + 1]):
-            thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, scale, chip, reach))
+            thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, scale, origin, chip, reach))
     alike = teeth.share.shape[1] == 1
     work.mean[:] *= len(teeth.angle) / TURN if alike else 1.0 / TURN
     step, running = TURN / len(work.terms), work.carried
+    # what is left of its edge by rounding is nothing; where the constant part is not counted all angles are looked at
+    least = 1e-9 * edge.width.min() * teeth.constant - (1.0 - teeth.constant)
     for k in range(len(work.terms)):
         for t in range(len(running)):
             running[t] += work.terms[k, t]
+        if running[LENGTH_TERM] <= least:  # nothing is in material
+            continue
         once = complex(math.cos(k * step), math.sin(k * step))
         add_channels(work.sums[k % len(work.sums)], running, 1.0, once, once * once)
     return thickest
@@ -367,5 +393,5 @@ def turns(out: Floats, edge: Edge, teeth: Teeth, arcs: Arcs, motion: Floats, sta
     """The forces (m, cells, channels) of some stations over a turn."""
     work = workspace(edge, teeth, out.shape[1])
     for m in range(len(stations)):
-        turn_of(work, edge, teeth, arcs, stations[m], motion[stations[m]])
+        turn_of(work, edge, teeth, arcs, stations[m], motion[stations[m]], 0.0)
         out[m] = work.sums

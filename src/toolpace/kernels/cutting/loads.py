@@ -1,4 +1,4 @@
-"""What an engaged cutter takes over a turn: means and peaks of forces, and what its deflection leaves on the surface."""
+"""What an engaged cutter takes over a turn: means and peaks of forces, and what deflection leaves on the surface."""
 
 from __future__ import annotations
 
@@ -71,7 +71,9 @@ def deflection_at(bent: Floats, sums: Floats, place: float, node: Floats, height
 
 
 @jit()
-def surface_left(left: Floats, work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Floats) -> None:
+def surface_left(
+    left: Floats, work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Floats, origin: float
+) -> None:
     """What station i leaves on the surface (4,): the least [m] and its height on the tool, the most and its height.
 
     A surface is generated where the motion is along the surface of the tool: where the thickness of the chip falls to
@@ -97,7 +99,7 @@ def surface_left(left: Floats, work: Work, edge: Edge, teeth: Teeth, arcs: Arcs,
                 least = np.inf
                 sine, cosine = edge.sine[p] * math.sin(place), edge.sine[p] * math.cos(place)
                 for tooth in range(1 if teeth.share.shape[1] == 1 else len(teeth.angle)):
-                    angle = inside + edge.lag[p] - teeth.angle[tooth]
+                    angle = inside + edge.lag[p] - teeth.angle[tooth] - origin
                     straight = edge.span[p] < STRAIGHT
                     deflection_at(bent, work.sums, angle / step, edge.node, edge.height[p], straight)
                     reach = teeth.runout * math.cos(teeth.runout_angle - teeth.angle[tooth] + edge.lag[p])
@@ -120,9 +122,11 @@ def loads(
         mean[i] = 0.0
         if arcs.first[i + 1] == arcs.first[i] and arcs.bottom[i] <= 0.0:
             continue
-        thickest = turn_of(work, edge, teeth, arcs, i, motion[i])
+        # where the tip comes into material the force jumps: one of the angles is there
+        origin = arcs.entry[arcs.first[i]] if arcs.first[i + 1] > arcs.first[i] else 0.0
+        thickest = turn_of(work, edge, teeth, arcs, i, motion[i], origin)
         mean[i] = work.mean
         peaks_of(peak[i], work.sums)
         peak[i, THICKNESS] = thickest
         if edge.weight.shape[1] > 0:
-            surface_left(left[i], work, edge, teeth, arcs, i, motion[i])
+            surface_left(left[i], work, edge, teeth, arcs, i, motion[i], origin)
