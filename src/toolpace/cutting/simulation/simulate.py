@@ -80,10 +80,6 @@ class CutSimulation:
     """Size of a cell [m]."""
     smallest_contact: float
     """Collisions less deep are not seen [m]."""
-    uncertainty: float
-    """How far the surface of the stock may be from where it is told to be [m]."""
-    guessed: bool
-    """Whether the stock is a guess: then no time in air and no collision with it is concluded."""
     assumed: tuple[str, ...] = ()
     """What stands in for what nobody told, a sentence each."""
 
@@ -95,6 +91,16 @@ class CutSimulation:
             "guessed stock" if self.guessed else "",
             counted(len(self.collisions), "collision"),
         )
+
+    @property
+    def uncertainty(self) -> float:
+        """How far the surface of the stock may be from where it is said to be [m]."""
+        return self.left.uncertainty
+
+    @property
+    def guessed(self) -> bool:
+        """Whether the stock is a guess: then neither air nor collisions with it are findings."""
+        return self.left.guessed
 
     @property
     def removed_volume(self) -> float:
@@ -125,8 +131,6 @@ def cut_stations(
     surroundings: Surroundings,
     *,
     resolution: float,
-    uncertainty: float = 0.0,
-    guessed: bool = False,
     assumed: Sequence[str] = (),
     after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
     progress: Callable[[float], None] | None = None,
@@ -149,7 +153,7 @@ def cut_stations(
                 cut = _Cut(stock, surroundings, tool, UNSEEN * resolution, resolution)
                 stretch, met = cut.along(stations, operation, rapid)
                 stretches.append(stretch)
-                findings += cut.findings(stretch, met, operations[operation], guessed)
+                findings += cut.findings(stretch, met, operations[operation], stock.guessed)
             done += len(stations)
             report(done / count)
         if k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation:
@@ -168,8 +172,6 @@ def cut_stations(
         left=stock,
         resolution=resolution,
         smallest_contact=UNSEEN * resolution,
-        uncertainty=uncertainty,
-        guessed=guessed,
         assumed=tuple(assumed),
     )
 
@@ -209,7 +211,7 @@ class _Cut:
     def with_stock(self, stretch: CutStretch, met: Sequence[Met]) -> Iterator[Contact]:
         """Rapids, shank and holder in the stock, and cuts above the flutes."""
         smallest, nominal, largest = met
-        above = self.above_flutes(largest.engagement)
+        above = whole_runs(largest.shank > self.least, self.above_flutes(largest.engagement))
         everywhere = np.ones(len(above), dtype=np.bool_)
         kinds: tuple[tuple[FindingKind, str, Bools], ...] = (
             ("rapid", "cutting", everywhere),
@@ -253,3 +255,9 @@ class _Cut:
             for kind, solids in parts:
                 depth = fixture.depth_in_material(solids, stations)
                 yield Contact(kind, f"fixture {name}", np.where(depth > self.least, depth, 0.0), certain)
+
+
+def whole_runs(contact: Bools, marked: Bools) -> Bools:
+    """(n,) all of each run of neighbours in `contact` (n,) that one is `marked` (n,) of."""
+    run = np.cumsum(np.diff(contact, prepend=False))
+    return contact & (np.bincount(run, marked & contact, int(run[-1]) + 1)[run] > 0.0)
