@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
+import numpy as np
+
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.cutting.contact import Arcs, Pose, Slices, contact
+from toolpace.kernels.cutting.contact import AXIS, FEED, LEFT, MOTION, TIP, TURNING, Arcs, Slices, contact
 from toolpace.kernels.cutting.dexels import FREE_COUNT, Field
 from toolpace.kernels.cutting.removal import cut_at, near_box, widest_of
 from toolpace.kernels.jit import jit
@@ -62,24 +63,20 @@ def rays_met(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> int:
 
 
 @jit()
-def pose_at(poses: Poses, k: int, feed: Floats, left: Floats, motion: Floats, turning: Floats) -> Pose:
-    """The pose k with the motion from the one before it; writes to `left`, `motion` and `turning`."""
+def pose_at(poses: Poses, k: int, feed: Floats, pose: Floats) -> None:
+    """Write the pose k (6, 3), and the motion to it from the one before it."""
     tip, axis, before = poses.tip[k], poses.axis[k], poses.axis[k - 1]
+    pose[MOTION:] = 0.0
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        left[d] = axis[u] * feed[v] - axis[v] * feed[u]
-    turning[0], turning[1] = 0.0, 0.0
-    motion[0], motion[1], motion[2] = 0.0, 0.0, 0.0
-    for d in range(3):
-        u, v = (d + 1) % 3, (d + 2) % 3
-        step = tip[d] - poses.tip[k - 1, d]
-        motion[0] += step * left[d]
-        motion[1] += step * feed[d]
-        motion[2] += step * axis[d]
-        turn = before[u] * axis[v] - before[v] * axis[u]
-        turning[0] += turn * left[d]
-        turning[1] += turn * feed[d]
-    return Pose(tip, axis, feed, left, motion, turning)
+        left = axis[u] * feed[v] - axis[v] * feed[u]
+        step, turn = tip[d] - poses.tip[k - 1, d], before[u] * axis[v] - before[v] * axis[u]
+        pose[TIP, d], pose[AXIS, d], pose[FEED, d], pose[LEFT, d] = tip[d], axis[d], feed[d], left
+        pose[MOTION, 0] += step * left
+        pose[MOTION, 1] += step * feed[d]
+        pose[MOTION, 2] += step * axis[d]
+        pose[TURNING, 0] += turn * left
+        pose[TURNING, 1] += turn * feed[d]
 
 
 @jit()
@@ -92,7 +89,7 @@ def cut_along(
     Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further;
     with `last`, all.
     """
-    left, motion, turning = math.nan * pieces[0, :3], math.nan * pieces[0, :3], math.nan * pieces[0, :2]
+    pose = np.empty((6, 3))
     radius = widest_of(pieces)
     room = 64 * len(slices.z)
     while progress[AT] < len(poses.travel):
@@ -110,9 +107,9 @@ def cut_along(
             i = poses.station[k]
             low, high = near_box(field, pieces, poses.tip[k], poses.axis[k], radius)
             if k > 0 and low <= high:
-                pose = pose_at(poses, k, found.feed[i], left, motion, turning)
+                pose_at(poses, k, found.feed[i], pose)
                 progress[ARCS], found.width[i], found.depth[i], found.flat[i] = contact(
-                    field, pose, slices, arcs, progress[ARCS], cell, least
+                    field, pose, slices, low, high, arcs, progress[ARCS], cell, least
                 )
             found.last_arc[i] = progress[ARCS]
         progress[AT] += 1
