@@ -24,7 +24,9 @@ from toolpace.cutting.engagement.table import Engagement
 from toolpace.cutting.tool_profile import ToolProfile
 
 if TYPE_CHECKING:
+    from toolpace.kernels.cutting.cut_along import Above
     from toolpace.kernels.cutting.dexels import Field
+    from toolpace.kernels.cutting.intrusion import Blocks
 
 RIDGE = 0.02
 """Most height of what is left between two poses, in cells."""
@@ -32,6 +34,8 @@ LEAST_CONTACT = 0.05
 """A contact that is nowhere deeper is not seen, in cells."""
 SLICES = 60
 """Most slices, where no height is wanted."""
+PORTION = 4096
+"""Poses after which is looked anew where material is left, for what is above the edge."""
 FINEST = 16
 """Most poses in a cell's length of motion."""
 SIDEWAYS = 1e-6
@@ -50,6 +54,9 @@ class Dexels(Protocol):
 
     def volume(self) -> float:
         """[m3]"""
+
+    def blocks(self) -> Blocks:
+        """Where each block of rays has material."""
 
     def spare(self, nodes: int) -> None:
         """Have at least so many free nodes."""
@@ -77,16 +84,21 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
     slices = Slices(np.asarray(middles), *surface, profile.flat_radius, height)
-    found = Found(feed, np.zeros(n, np.int64), *(np.zeros(n) for _ in range(4)))
+    found = Found(feed, np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 2)), *(np.zeros(n) for _ in range(3)))
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
-    done = n == 0
-    while not done:
-        more = max(256 * count, len(arcs.slice) // 2)
-        arcs = Arcs(*(np.concatenate([each, np.empty(more, each.dtype)]) for each in arcs))
-        stock.spare(_most_rays(stock, profile))
-        least = LEAST_CONTACT * cell
-        done = cut_along(stock.field, profile.cutting, slices, poses, found, arcs, progress, cell, least, 1)
+    for until in [*range(PORTION, len(poses.travel), PORTION), len(poses.travel)] if n else []:
+        above = _above(stock, profile)
+        done = False
+        while not done:
+            if progress[ARCS] + 64 * count > len(arcs.slice):
+                more = max(256 * count, len(arcs.slice) // 2)
+                arcs = Arcs(*(np.concatenate([each, np.empty(more, each.dtype)]) for each in arcs))
+            stock.spare(_most_rays(stock, profile))
+            least = LEAST_CONTACT * cell
+            done = cut_along(
+                stock.field, profile.cutting, above, slices, poses, found, arcs, progress, cell, least, until
+            )
     stock.content = before - float(found.removed.sum())
     used = int(progress[ARCS])
     return Engagement(
@@ -102,6 +114,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         removed=found.removed,
         width=found.width,
         depth=found.depth,
+        penetration=found.penetration,
     )
 
 
@@ -153,6 +166,17 @@ def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tupl
     return tips, axes, travel, station, look
 
 
+def _above(stock: Dexels, profile: ToolProfile) -> Above:
+    """Shank and holder, and where there may be material."""
+    from toolpace.kernels.cutting.cut_along import Above
+
+    solids = [*profile.shank, *profile.holder]
+    pieces = np.concatenate([np.zeros((0, 6)), *solids])
+    first: Ints = np.cumsum([0, *map(len, solids)])
+    part = np.repeat(np.arange(2), [len(profile.shank), len(profile.holder)])
+    return Above(pieces, first, part, stock.blocks(), np.zeros((1, 6)), np.zeros(3))
+
+
 def _most_rays(stock: Dexels, profile: ToolProfile) -> int:
     """At most how many rays the tool meets at a pose."""
     wide = 2.0 * profile.radius
@@ -160,6 +184,6 @@ def _most_rays(stock: Dexels, profile: ToolProfile) -> int:
     field = stock.field
     found = 0
     for d in range(3):
-        cells = [min(int(span / field.step[k]) + 3, int(field.count[k])) for k in ((d + 1) % 3, (d + 2) % 3)]
+        cells = [min(int(span / field.step[k]) + 3, int(field.cells[k])) for k in ((d + 1) % 3, (d + 2) % 3)]
         found += cells[0] * cells[1]
     return found

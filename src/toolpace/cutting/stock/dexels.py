@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.engagement.table import Engagement
     from toolpace.cutting.tool_profile import ToolProfile
     from toolpace.kernels.cutting.dexels import Field
+    from toolpace.kernels.cutting.intrusion import Blocks
 
 CELLS = 500
 """Cells along the longest side, where nothing else is wanted."""
@@ -42,7 +43,7 @@ class DexelStock:
     """Volume [m3] less what was cut; None: what the rays see."""
 
     def __repr__(self) -> str:
-        size = " x ".join(f"{1e3 * side:.4g}" for side in self.field.step * self.field.count)
+        size = " x ".join(f"{1e3 * side:.4g}" for side in self.field.step * self.field.cells)
         return one_line(self, f"{size} mm", f"resolution {1e3 * self.resolution:.3g} mm")
 
     @staticmethod
@@ -121,7 +122,7 @@ class DexelStock:
     @property
     def bounds(self) -> tuple[Floats, Floats]:
         """Lowest and highest corner (3,) of the box of the cells [m]."""
-        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.count
+        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.cells
 
     @property
     def memory(self) -> int:
@@ -184,7 +185,7 @@ class DexelStock:
         distance = number(distance, "stock: distance", least=0.0, unit="m")
         field = self.field
         margin = np.ceil(distance / field.step + 1e-9).astype(np.int64) + 2
-        target = _rays(field.origin - margin * field.step, field.step, field.count + 2 * margin)
+        target = _rays(field.origin - margin * field.step, field.step, field.cells + 2 * margin)
         return self._offset(target, distance, outward=True)
 
     def shrunk(self, distance: float) -> DexelStock:
@@ -202,14 +203,11 @@ class DexelStock:
 
     def deepest(self, solids: Sequence[Floats], stations: Stations) -> tuple[Floats, Floats]:
         """`depth_in_material`, and the deepest places (n, 3) [m]; nan where there is none."""
-        from toolpace.kernels.cutting.intrusion import BLOCK, Blocks, blocks_of, deepest_along
+        from toolpace.kernels.cutting.intrusion import deepest_along
 
         tips = numbers(stations.tip, "stations: tip", ("n", 3), unit="m")
         axes = numbers(stations.axis, "stations: axis", (len(tips), 3))
-        across = -(-self.field.count // BLOCK)
-        first = np.concatenate([[0], np.cumsum([across[(d + 1) % 3] * across[(d + 2) % 3] for d in range(3)])])
-        blocks = Blocks(first.astype(float), np.full(first[3], np.inf), np.full(first[3], -np.inf))
-        blocks_of(self.field, blocks)
+        blocks = self.blocks()
         depths, places = np.zeros(len(tips)), np.full((len(tips), 3), np.nan)
         for solid in solids:
             deepest_along(self.field, blocks, numbers(solid, "solid", ("n", 6)), tips, axes, depths, places)
@@ -233,6 +231,16 @@ class DexelStock:
                 target.spare(max(64 * int(across[(d + 1) % 3] * across[(d + 2) % 3]), len(target.field.low) // 8))
                 ray = work(self.field, target.field, d, distance, ray)
         return target
+
+    def blocks(self) -> Blocks:
+        """Where each block of rays has material."""
+        from toolpace.kernels.cutting.intrusion import BLOCK, Blocks, blocks_of
+
+        across = -(-self.field.cells // BLOCK)
+        first: Ints = np.concatenate([[0], np.cumsum([across[d - 2] * across[d - 1] for d in range(3)])])
+        blocks = Blocks(first, np.full(first[3], np.inf), np.full(first[3], -np.inf))
+        blocks_of(self.field, blocks)
+        return blocks
 
     def spare(self, nodes: int) -> None:
         """Have at least so many free nodes."""

@@ -8,7 +8,6 @@ on different sides gets a quadrilateral between the four cubes about it.
 from __future__ import annotations
 
 import math
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,8 +26,8 @@ def triangles(field: Field, points: int) -> Floats:
     """
     from toolpace.kernels.cutting.lattice import ends_between, mark_inside
 
-    stride = max(math.ceil(int(field.count.max()) / max(points, 2)), 1)
-    cells = [np.arange(min(stride // 2, n - 1), n, stride) for n in field.count]
+    stride = max(math.ceil(int(field.cells.max()) / max(points, 2)), 1)
+    cells = [np.arange(min(stride // 2, n - 1), n, stride) for n in field.cells]
     at = [field.origin[d] + field.step[d] * (cells[d] + 0.5) for d in range(3)]
     shape = tuple(len(each) + 2 for each in cells)
     inside = np.zeros(shape, np.bool_)
@@ -42,7 +41,7 @@ def triangles(field: Field, points: int) -> Floats:
         u, v = (d + 1) % 3, (d + 2) % 3
         edge = np.argwhere(np.diff(inside, axis=d))
         low, high = places[d][edge[:, d]], places[d][edge[:, d] + 1]
-        rays = field.first[d] + cells[v][edge[:, v] - 1] * field.count[u] + cells[u][edge[:, u] - 1]
+        rays = field.first[d] + cells[v][edge[:, v] - 1] * field.cells[u] + cells[u][edge[:, u] - 1]
         where = np.empty((len(edge), 3))
         ends = np.empty(len(edge))
         ends_between(field, rays, low, high, ends)

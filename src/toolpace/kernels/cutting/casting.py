@@ -31,7 +31,7 @@ def crossings(field: Field, triangles: Floats, d: int, offset: Ints, places: Flo
     are counted there instead. ways: 1 where the ray enters the solid, -1 where it leaves it.
     """
     u, v = (d + 1) % 3, (d + 2) % 3
-    su, sv, nu, nv = field.step[u], field.step[v], field.count[u], field.count[v]
+    su, sv, nu, nv = field.step[u], field.step[v], field.cells[u], field.cells[v]
     ou, ov = field.origin[u], field.origin[v]
     for k in range(len(triangles)):
         au, av, at = triangles[k, 0, u], triangles[k, 0, v], triangles[k, 0, d]
@@ -103,11 +103,11 @@ def fill_revolved(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> No
     lows, highs, following, pool = field.low, field.high, field.following, field.pool
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        for iv in range(field.count[v]):
+        for iv in range(field.cells[v]):
             wv = field.origin[v] + (iv + 0.5) * field.step[v] - tip[v]
-            for iu in range(field.count[u]):
+            for iu in range(field.cells[u]):
                 wu = field.origin[u] + (iu + 0.5) * field.step[u] - tip[u]
                 low, high = chord(pieces, wu * wu + wv * wv, wu * axis[u] + wv * axis[v], axis[d])
                 if low < high:
-                    ray = field.first[d] + iv * field.count[u] + iu
+                    ray = field.first[d] + iv * field.cells[u] + iu
                     add(lows, highs, following, pool, ray, low + tip[d], high + tip[d])

@@ -9,6 +9,7 @@ import numpy as np
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.cutting.contact import AXIS, FEED, LEFT, MOTION, TIP, TURNING, Arcs, Slices, contact
 from toolpace.kernels.cutting.dexels import FREE_COUNT, Field
+from toolpace.kernels.cutting.intrusion import Blocks, deepest
 from toolpace.kernels.cutting.removal import cut_at, near_box, widest_of
 from toolpace.kernels.jit import jit
 
@@ -41,9 +42,25 @@ class Found(NamedTuple):
     last_arc: Ints
     """(n,) number of arcs up to and with this station."""
     removed: Floats
+    penetration: Floats
+    """(n, 2) of what is above the edge, by part."""
     width: Floats
     depth: Floats
     flat: Floats
+
+
+class Above(NamedTuple):
+    """Solids above the edge, that cut nothing."""
+
+    pieces: Floats
+    first: Ints
+    """(k + 1,) pieces of solid j are first[j] to first[j + 1]."""
+    part: Ints
+    """(k,) the column of `Found.penetration` that the solid belongs to."""
+    blocks: Blocks
+    cover: Floats
+    """(1, 6) and `place` (3,): room to work in."""
+    place: Floats
 
 
 @jit()
@@ -58,7 +75,7 @@ def rays_met(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> int:
         u, v = (d + 1) % 3, (d + 2) % 3
         wide = int((abs(axis[u]) * (z1 - z0) + 2.0 * radius) / field.step[u]) + 2
         high = int((abs(axis[v]) * (z1 - z0) + 2.0 * radius) / field.step[v]) + 2
-        met += min(wide, field.count[u]) * min(high, field.count[v])
+        met += min(wide, field.cells[u]) * min(high, field.cells[v])
     return met
 
 
@@ -80,27 +97,41 @@ def pose_at(poses: Poses, k: int, feed: Floats, pose: Floats) -> None:
 
 
 @jit()
-def cut_along(
-    field: Field, pieces: Floats, slices: Slices, poses: Poses, found: Found, arcs: Arcs, progress: Ints,
-    cell: float, least: float, last: int,
-) -> bool:
-    """Go on along the poses from `progress`, to the end where it returns True.
+def cut_next(field: Field, pieces: Floats, above: Above, poses: Poses, found: Found, progress: Ints) -> bool:
+    """Cut at the next pose that is not, and look at what is above the edge there; False where free nodes run out."""
+    k = progress[CUT]
+    tip, axis, i = poses.tip[k], poses.axis[k], poses.station[k]
+    if rays_met(field, pieces, tip, axis) > field.pool[FREE_COUNT]:
+        return False
+    found.removed[i] += cut_at(field, pieces, tip, axis)
+    if poses.look[k] == 1:
+        for j in range(len(above.part)):
+            solid, part = above.pieces[above.first[j] : above.first[j + 1]], above.part[j]
+            found.penetration[i, part] = deepest(
+                field, above.blocks, solid, above.cover, tip, axis, found.penetration[i, part], above.place
+            )
+    progress[CUT] += 1
+    return True
 
-    Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further;
-    with `last`, all.
+
+@jit()
+def cut_along(
+    field: Field, pieces: Floats, above: Above, slices: Slices, poses: Poses, found: Found, arcs: Arcs, progress: Ints,
+    cell: float, least: float, until: int,
+) -> bool:
+    """Go on from `progress` to the pose `until`, and cut all where that is the end; True then.
+
+    Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further.
     """
     pose = np.empty((6, 3))
     radius = widest_of(pieces)
     room = 64 * len(slices.z)
-    while progress[AT] < len(poses.travel):
+    while progress[AT] < until:
         k = progress[AT]
         behind = poses.travel[k] - LAG * cell
         while progress[CUT] < k and poses.travel[progress[CUT]] <= behind:
-            c = progress[CUT]
-            if rays_met(field, pieces, poses.tip[c], poses.axis[c]) > field.pool[FREE_COUNT]:
+            if not cut_next(field, pieces, above, poses, found, progress):
                 return False
-            found.removed[poses.station[c]] += cut_at(field, pieces, poses.tip[c], poses.axis[c])
-            progress[CUT] += 1
         if poses.look[k] == 1:
             if progress[ARCS] + room > len(arcs.slice):
                 return False
@@ -113,10 +144,7 @@ def cut_along(
                 )
             found.last_arc[i] = progress[ARCS]
         progress[AT] += 1
-    while last == 1 and progress[CUT] < len(poses.travel):
-        c = progress[CUT]
-        if rays_met(field, pieces, poses.tip[c], poses.axis[c]) > field.pool[FREE_COUNT]:
+    while until == len(poses.travel) and progress[CUT] < until:
+        if not cut_next(field, pieces, above, poses, found, progress):
             return False
-        found.removed[poses.station[c]] += cut_at(field, pieces, poses.tip[c], poses.axis[c])
-        progress[CUT] += 1
     return True

@@ -27,8 +27,8 @@ class Field(NamedTuple):
     """(3,) lowest corner of the box."""
     step: Floats
     """(3,) of the cells."""
-    count: Ints
-    """(3,) cells along x, y and z."""
+    cells: Ints
+    """(3,) how many there are along x, y and z."""
     first: Ints
     """(4,) number of the first ray along x, y, z, and of all."""
     low: Floats
@@ -153,17 +153,17 @@ def lengths(field: Field) -> tuple[float, float, float]:
 def depth_on_ray(field: Field, ray: int, place: float, most: float) -> float:
     """How deep a place is in the material of a ray, along it; below zero outside; `most` at most either way."""
     node = ray
-    gap, depth = most, most
+    gap = most
     if field.low[ray] > field.high[ray]:
         return -most
     while node >= 0:
         low, high = field.low[node], field.high[node]
         if place < low:
-            depth = -min(gap, low - place)
-            return depth
+            outside: float = -min(gap, low - place)
+            return outside
         if place <= high:
-            depth = min(most, place - low, high - place)
-            return depth
+            inside: float = min(most, place - low, high - place)
+            return inside
         gap = min(most, place - high)
         node = field.following[node]
     return -gap
@@ -178,20 +178,20 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float) -> float:
     come to their end within `most` tell on which side the point is, and no more.
     """
     at = (x, y, z)
-    best, score, steep = -most, math.inf, 1.0
+    score, best, steep = math.inf, -most, 1.0
     for d in range(3):
-        outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.count[d])
+        outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.cells[d])
         if outside > 0.0:
-            best = -min(outside, most)
-            return best
+            depth: float = -min(outside, most)
+            return depth
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.count[u] - 1.0)
-        fv = min(max((at[v] - field.origin[v]) / field.step[v] - 0.5, 0.0), field.count[v] - 1.0)
+        fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.cells[u] - 1.0)
+        fv = min(max((at[v] - field.origin[v]) / field.step[v] - 0.5, 0.0), field.cells[v] - 1.0)
         iu, iv = int(fu), int(fv)
-        ju, jv = min(iu + 1, field.count[u] - 1), min(iv + 1, field.count[v] - 1)
+        ju, jv = min(iu + 1, field.cells[u] - 1), min(iv + 1, field.cells[v] - 1)
         fu, fv = fu - iu, fv - iv
-        row, above = field.first[d] + iv * field.count[u], field.first[d] + jv * field.count[u]
+        row, above = field.first[d] + iv * field.cells[u], field.first[d] + jv * field.cells[u]
         a = depth_on_ray(field, row + iu, at[d], most)
         b = depth_on_ray(field, row + ju, at[d], most)
         c = depth_on_ray(field, above + iu, at[d], most)

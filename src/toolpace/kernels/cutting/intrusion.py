@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.cutting.dexels import Field
 from toolpace.kernels.cutting.removal import Shadow, near_box, widest_of
 from toolpace.kernels.cutting.revolution import ARC, WIDEST, Z0, Z1, A, B, chord
@@ -20,8 +20,8 @@ BLOCK = 16
 class Blocks(NamedTuple):
     """Between which places the rays of each block of 16 x 16 have material."""
 
-    first: Floats
-    """(4,) number of the first block along x, y, z, and of all; whole numbers."""
+    first: Ints
+    """(4,) number of the first block along x, y, z, and of all."""
     low: Floats
     high: Floats
 
@@ -31,11 +31,11 @@ def blocks_of(field: Field, blocks: Blocks) -> None:
     """Work out the blocks of a field."""
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        across = (field.count[u] + BLOCK - 1) // BLOCK
-        for iv in range(field.count[v]):
-            for iu in range(field.count[u]):
-                block = int(blocks.first[d]) + (iv // BLOCK) * across + iu // BLOCK
-                node = field.first[d] + iv * field.count[u] + iu
+        across = (field.cells[u] + BLOCK - 1) // BLOCK
+        for iv in range(field.cells[v]):
+            for iu in range(field.cells[u]):
+                block = blocks.first[d] + (iv // BLOCK) * across + iu // BLOCK
+                node = field.first[d] + iv * field.cells[u] + iu
                 if field.low[node] <= field.high[node]:
                     blocks.low[block] = min(blocks.low[block], field.low[node])
                     while field.following[node] >= 0:
@@ -100,8 +100,8 @@ def deepest(
         shadow = Shadow(
             tip[u] + z0 * axis[u], tip[v] + z0 * axis[v], (z1 - z0) * axis[u], (z1 - z0) * axis[v], radius
         )
-        across = (field.count[u] + BLOCK - 1) // BLOCK
-        upward = (field.count[v] + BLOCK - 1) // BLOCK
+        across = (field.cells[u] + BLOCK - 1) // BLOCK
+        upward = (field.cells[v] + BLOCK - 1) // BLOCK
         bottom, top = min(shadow.v, shadow.v + shadow.dv) - radius, max(shadow.v, shadow.v + shadow.dv) + radius
         begin_v = max(int((bottom - field.origin[v]) / (BLOCK * sv) - 1.0), 0)
         end_v = min(int((top - field.origin[v]) / (BLOCK * sv) + 1.0), upward)
@@ -111,7 +111,7 @@ def deepest(
             begin_u = max(int((left - field.origin[u]) / (BLOCK * su) - 1.0), 0)
             end_u = min(int((right - field.origin[u]) / (BLOCK * su) + 1.0), across)
             for bu in range(begin_u, end_u):
-                block = int(blocks.first[d]) + bv * across + bu
+                block = blocks.first[d] + bv * across + bu
                 if blocks.low[block] > blocks.high[block]:
                     continue
                 wu = field.origin[u] + (bu + 0.5) * BLOCK * su - tip[u]
@@ -128,11 +128,11 @@ def deepest_in_block(
 ) -> float:
     """The larger of `best` and what the rays of a block find; where it is larger, `at` becomes its place."""
     u, v = (d + 1) % 3, (d + 2) % 3
-    for iv in range(bv * BLOCK, min((bv + 1) * BLOCK, field.count[v])):
+    for iv in range(bv * BLOCK, min((bv + 1) * BLOCK, field.cells[v])):
         at_v = field.origin[v] + (iv + 0.5) * field.step[v]
         wv = at_v - tip[v]
-        for iu in range(bu * BLOCK, min((bu + 1) * BLOCK, field.count[u])):
-            ray = field.first[d] + iv * field.count[u] + iu
+        for iu in range(bu * BLOCK, min((bu + 1) * BLOCK, field.cells[u])):
+            ray = field.first[d] + iv * field.cells[u] + iu
             if field.low[ray] > field.high[ray]:
                 continue
             at_u = field.origin[u] + (iu + 0.5) * field.step[u]

@@ -12,7 +12,7 @@ def mark_inside(field: Field, columns: Ints, rows: Ints, heights: Floats, inside
     """Which points (columns, rows, heights) are in material, by the rays along z."""
     for i in range(len(columns)):
         for j in range(len(rows)):
-            node = field.first[2] + rows[j] * field.count[0] + columns[i]
+            node = field.first[2] + rows[j] * field.cells[0] + columns[i]
             k = 0
             while node >= 0 and field.low[node] <= field.high[node]:
                 while k < len(heights) and heights[k] < field.low[node]:

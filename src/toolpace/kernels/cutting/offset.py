@@ -30,7 +30,7 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
     Returns the ray at which free nodes ran out, or the end of the rays.
     """
     u, v = (d + 1) % 3, (d + 2) % 3
-    nu, mu, mv = source.count[u], target.count[u], target.count[v]
+    nu, mu, mv = source.cells[u], target.cells[u], target.cells[v]
     shift_u = round((source.origin[u] - target.origin[u]) / source.step[u])
     shift_v = round((source.origin[v] - target.origin[v]) / source.step[v])
     far_u = math.ceil(distance / source.step[u]) + 2
@@ -59,7 +59,7 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
 def shrink(source: Field, target: Field, d: int, distance: float, ray: int) -> int:
     """Take the offset of the air along rays of d from `ray` on out of a copy; returns as `grow` does."""
     u, v = (d + 1) % 3, (d + 2) % 3
-    nu, nv = source.count[u], source.count[v]
+    nu, nv = source.cells[u], source.cells[v]
     far_u = math.ceil(distance / source.step[u]) + 2
     far_v = math.ceil(distance / source.step[v]) + 2
     lows, highs, following, pool = target.low, target.high, target.following, target.pool

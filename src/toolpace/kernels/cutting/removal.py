@@ -41,7 +41,7 @@ def near_box(field: Field, pieces: Floats, tip: Floats, axis: Floats, radius: fl
     low, high = pieces[0, Z0], pieces[len(pieces) - 1, Z1]
     for d in range(3):
         least = field.origin[d] - radius - tip[d]
-        most = field.origin[d] + field.step[d] * field.count[d] + radius - tip[d]
+        most = field.origin[d] + field.step[d] * field.cells[d] + radius - tip[d]
         if abs(axis[d]) < 1e-12:
             if least > 0.0 or most < 0.0:
                 return 1.0, 0.0
@@ -97,14 +97,14 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         su, sv, lean = field.step[u], field.step[v], axis[d]
-        first_u, first_ray, across, tip_u, tip_d = field.origin[u], field.first[d], field.count[u], tip[u], tip[d]
+        first_u, first_ray, across, tip_u, tip_d = field.origin[u], field.first[d], field.cells[u], tip[u], tip[d]
         axis_u, axis_v = axis[u], axis[v]
         shadow = Shadow(
             tip[u] + z0 * axis[u], tip[v] + z0 * axis[v], (z1 - z0) * axis[u], (z1 - z0) * axis[v], radius
         )
         top, bottom = max(shadow.v, shadow.v + shadow.dv) + radius, min(shadow.v, shadow.v + shadow.dv) - radius
         begin = max(math.ceil((bottom - field.origin[v]) / sv - 0.5), 0)
-        end = min(math.floor((top - field.origin[v]) / sv - 0.5), field.count[v] - 1)
+        end = min(math.floor((top - field.origin[v]) / sv - 0.5), field.cells[v] - 1)
         seen = 0.0
         for iv in range(begin, end + 1):
             at_v = field.origin[v] + (iv + 0.5) * sv
@@ -113,7 +113,7 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
                 continue
             wv = at_v - tip[v]
             left = max(math.ceil((low - field.origin[u]) / su - 0.5), 0)
-            right = min(math.floor((high - field.origin[u]) / su - 0.5), field.count[u] - 1)
+            right = min(math.floor((high - field.origin[u]) / su - 0.5), field.cells[u] - 1)
             for iu in range(left, right + 1):
                 ray = first_ray + iv * across + iu
                 if lows[ray] > highs[ray]:
