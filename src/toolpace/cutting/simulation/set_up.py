@@ -28,15 +28,15 @@ def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | Non
     found: list[ToolInUse | None] = []
     assumed: dict[str, None] = {}
     for k, operation in enumerate(toolpath.operations):
-        figures = setup.figures_of(operation.tool)
+        figures = setup.figures_of(operation.tool) or operation.figures
         if figures is None:
             if k in cutting:
                 raise UsageError(_without_figures(toolpath, k, setup))
             found.append(None)
             continue
         found.append(ToolInUse(figures, ToolProfile.of(figures)))
-        called = f"tool {operation.tool}" if operation.tool else "the only tool of the sheet"
-        if not operation.tool:
+        called = f"tool {operation.tool}" if operation.tool else "the only tool"
+        if not operation.tool and operation.figures is None:
             assumed["the program names no tool: the only one of the sheet is taken"] = None
         assumed |= {f"{called}: {sentence}": None for sentence in (*figures.assumed, *_unknown(figures))}
     return found, list(assumed)
@@ -77,7 +77,7 @@ def stock_range(
     With it the same smaller and larger by its uncertainty. Raises UsageError where it is none, or lies elsewhere.
     """
     shapes = [None if tool is None else tool.figures for tool in tools]
-    figures = setup.workpiece.stock or guessed_stock(toolpath, shapes)
+    figures = setup.workpiece.stock or toolpath.workpiece.stock or guessed_stock(toolpath, shapes)
     body = body_of(figures.solid, machine, setup)
     check_stock_place(body, toolpath, shapes, figures.solid.source or "[stock]")
     nominal = dexels(body, resolution, memory / 3.0)

@@ -38,8 +38,11 @@ from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import Operation
 
-UNSEEN = 0.4
-"""Share of the resolution: a collision that is less deep is not told, as it may be one of the cells."""
+TOLD = 0.2
+"""Share of the resolution from which a collision is told: less may be the ridges that a cut leaves, and rounding."""
+UNSEEN = 0.8
+"""Share of the resolution from which a collision is told in any case: between the rays an edge or a corner of the stock
+is seen up to 0.56 of a cell less deep than it is (on 1296 random places of a tilted cone at a box)."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class CutSimulation:
     resolution: float
     """Size of a cell [m]."""
     smallest_contact: float
-    """Collisions less deep are not seen [m]."""
+    """Collisions less deep may not be seen [m]."""
     assumed: tuple[str, ...] = ()
     """What stands in for what nobody told, a sentence each."""
 
@@ -150,7 +153,7 @@ def cut_stations(
         tool = tools[operation]
         for stations, rapid in feed_and_rapid(part):
             if tool is not None:
-                cut = _Cut(stock, surroundings, tool, UNSEEN * resolution, resolution)
+                cut = _Cut(stock, surroundings, tool, TOLD * resolution, resolution)
                 stretch, met = cut.along(stations, operation, rapid)
                 stretches.append(stretch)
                 findings += cut.findings(stretch, met, operations[operation], stock.guessed)
@@ -260,4 +263,5 @@ class _Cut:
 def whole_runs(contact: Bools, marked: Bools) -> Bools:
     """(n,) all of each run of neighbours in `contact` (n,) that one is `marked` (n,) of."""
     run = np.cumsum(np.diff(contact, prepend=False))
-    return contact & (np.bincount(run, marked & contact, int(run[-1]) + 1)[run] > 0.0)
+    found: Bools = contact & (np.bincount(run, marked & contact, int(run[-1]) + 1)[run] > 0.0)
+    return found
