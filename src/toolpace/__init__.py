@@ -33,6 +33,11 @@ if TYPE_CHECKING:
     from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
     from toolpace.cutting.forces.fixed_engagement import CuttingForces
     from toolpace.cutting.forces.material import Material
+    from toolpace.cutting.simulation import simulate_cut
+    from toolpace.cutting.simulation.findings import Finding
+    from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import StockRange
     from toolpace.cutting.tool_file import load_tool
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.new_trajectory import replan
@@ -90,6 +95,8 @@ __all__ = [
     "Controller",
     "Cut",
     "CutLoads",
+    "CutSimulation",
+    "CutStretch",
     "Cutter",
     "CuttingForces",
     "CuttingTool",
@@ -99,6 +106,7 @@ __all__ = [
     "ExceededLimit",
     "Exported",
     "FigureEffect",
+    "Finding",
     "Follower",
     "FoundSetUp",
     "Genetic",
@@ -113,6 +121,7 @@ __all__ = [
     "Motion",
     "OpenPlace",
     "Operation",
+    "OperationCut",
     "Optimal",
     "PartTime",
     "Path",
@@ -137,6 +146,7 @@ __all__ = [
     "Skipped",
     "SpeedWeights",
     "Status",
+    "StockRange",
     "TimeLaw",
     "TimeRange",
     "Tolerances",
@@ -167,6 +177,7 @@ __all__ = [
     "replan",
     "report",
     "search_setup",
+    "simulate_cut",
     "verify",
     "write_set_up",
 ]
@@ -188,6 +199,8 @@ _HOME = {
     "Controller": "programs.reading.controllers.controller",
     "Cut": "machine.cutting_tool",
     "CutLoads": "cutting.forces.engaged",
+    "CutSimulation": "cutting.simulation.simulate",
+    "CutStretch": "cutting.simulation.operation_cut",
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
@@ -197,6 +210,7 @@ _HOME = {
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
     "FigureEffect": "controls.timing.uncertainty",
+    "Finding": "cutting.simulation.findings",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
     "Genetic": "planning.genetic",
@@ -211,6 +225,7 @@ _HOME = {
     "Motion": "motion",
     "OpenPlace": "motion.trajectory",
     "Operation": "programs.toolpath",
+    "OperationCut": "cutting.simulation.operation_cut",
     "Optimal": "planning.optimal.planner",
     "PartTime": "controls.timing.program_time",
     "Path": "path.path",
@@ -235,6 +250,7 @@ _HOME = {
     "Skipped": "motion.trajectory",
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
+    "StockRange": "cutting.simulation.stock_range",
     "TimeLaw": "motion.laws",
     "TimeRange": "controls.timing.uncertainty",
     "Tolerances": "programs.tolerances",
@@ -263,6 +279,7 @@ _HOME = {
     "replan": "deflection.new_trajectory",
     "report": "results.report",
     "search_setup": "setup_search.search",
+    "simulate_cut": "cutting.simulation",
     "verify": "judge",
     "write_set_up": "results.write.set_up_folder",
 }

@@ -7,7 +7,7 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
-from toolpace.cli.commands import batch, compare, export, follow, machines, setup, tolerance
+from toolpace.cli.commands import batch, compare, cut, export, follow, machines, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -30,6 +30,7 @@ Examples:
     toolpace time part.ngc -m xyzac-trunnion        how long its control takes, and the optimum
     toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part for the least time
     toolpace tolerance part.ngc -m xyzac-trunnion   what a micrometre costs
+    toolpace cut part.ngc -m xyzac-trunnion --setup setup.toml   what it cuts: air, material, collisions
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
@@ -236,6 +237,9 @@ def time_command(
     if write_controller is not None:
         raise UsageError("--write-controller goes with --fit: figures come from a log or from measured times")
     return time.run_time(programs, request, json)
+
+
+app.command(cut.cut_command, name="cut", help_epilogue="")
 
 
 app.command(tolerance.tolerance_command, name="tolerance", help_epilogue="")

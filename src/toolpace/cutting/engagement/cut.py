@@ -13,7 +13,7 @@ feed, where between two poses it is a few hundredths of a millimetre. The border
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -24,7 +24,9 @@ from toolpace.cutting.engagement.table import Engagement
 from toolpace.cutting.tool_profile import ToolProfile
 
 if TYPE_CHECKING:
-    from toolpace.cutting.stock.dexels import DexelStock
+    from toolpace.kernels.cutting.cut_along import Above
+    from toolpace.kernels.cutting.dexels import Field
+    from toolpace.kernels.cutting.intrusion import Blocks
 
 RIDGE = 0.02
 """Most height of what is left between two poses, in cells."""
@@ -32,13 +34,35 @@ LEAST_CONTACT = 0.05
 """A contact that is nowhere deeper is not seen, in cells."""
 SLICES = 60
 """Most slices, where no height is wanted."""
+PORTION = 4096
+"""Poses after which is looked anew where material is left, for what is above the edge."""
 FINEST = 16
 """Most poses in a cell's length of motion."""
 SIDEWAYS = 1e-6
 """Share of the motion across the axis below which it counts as along it."""
 
 
-def cut(stock: DexelStock, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
+class Dexels(Protocol):
+    """What is cut: a `DexelStock`."""
+
+    field: Field
+    content: float | None
+
+    @property
+    def resolution(self) -> float:
+        """Largest side of a cell [m]."""
+
+    def volume(self) -> float:
+        """[m3]"""
+
+    def blocks(self) -> Blocks:
+        """Where each block of rays has material."""
+
+    def spare(self, nodes: int) -> None:
+        """Have at least so many free nodes."""
+
+
+def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
     """Cut the stock with the cutting part of a tool along stations, and tell what it met at each.
 
     slice_height: of the table [m]; the stock's resolution, or a sixtieth of the edge, if that is more. The stock is
@@ -50,7 +74,7 @@ def cut(stock: DexelStock, profile: ToolProfile, stations: Stations, slice_heigh
 
     tip = numbers(stations.tip, "stations: tip", ("n", 3), unit="m")
     axis = numbers(stations.axis, "stations: axis", ("n", 3))
-    n, cell = len(tip), stock.resolution
+    n, cell, before = len(tip), stock.resolution, stock.volume()
     if len(axis) != n or np.abs(np.linalg.norm(axis, axis=1) - 1.0).max(initial=0.0) > 1e-6:
         raise UsageError("stations: axis holds no unit vectors, one for each tip; give directions of length 1")
     height = slice_height or max(cell, profile.length / SLICES)
@@ -59,17 +83,23 @@ def cut(stock: DexelStock, profile: ToolProfile, stations: Stations, slice_heigh
     count = max(math.ceil(profile.length / height - 1e-9), 1)
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
-    slices = Slices(middles, *surface, profile.flat_radius, height)
-    found = Found(feed, np.zeros(n, np.int64), *(np.zeros(n) for _ in range(4)))
+    slices = Slices(np.asarray(middles), *surface, profile.flat_radius, height)
+    found = Found(feed, np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 2)), *(np.zeros(n) for _ in range(3)))
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
-    done = n == 0
-    while not done:
-        more = max(256 * count, len(arcs.slice) // 2)
-        arcs = Arcs(*(np.concatenate([each, np.empty(more, each.dtype)]) for each in arcs))
-        stock._spare(_most_rays(stock, profile))
-        least = LEAST_CONTACT * cell
-        done = cut_along(stock.field, profile.cutting, slices, poses, found, arcs, progress, cell, least, 1)
+    for until in [*range(PORTION, len(poses.travel), PORTION), len(poses.travel)] if n else []:
+        above = _above(stock, profile)
+        done = False
+        while not done:
+            if progress[ARCS] + 64 * count > len(arcs.slice):
+                more = max(256 * count, len(arcs.slice) // 2)
+                arcs = Arcs(*(np.concatenate([each, np.empty(more, each.dtype)]) for each in arcs))
+            stock.spare(_most_rays(stock, profile))
+            least = LEAST_CONTACT * cell
+            done = cut_along(
+                stock.field, profile.cutting, above, slices, poses, found, arcs, progress, cell, least, until
+            )
+    stock.content = before - float(found.removed.sum())
     used = int(progress[ARCS])
     return Engagement(
         slice_height=height,
@@ -84,6 +114,7 @@ def cut(stock: DexelStock, profile: ToolProfile, stations: Stations, slice_heigh
         removed=found.removed,
         width=found.width,
         depth=found.depth,
+        penetration=found.penetration,
     )
 
 
@@ -102,10 +133,8 @@ def feed_frames(tip: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
         length = np.linalg.norm(flat, axis=1)
         use = ~moves & (length > 0.1)
         feed[use], size[use], moves = flat[use], length[use], moves | use
-    whole = np.where(whole > 0.0, whole, 1.0)
-    return feed / size[:, None], np.hypot(0.0, np.sqrt(np.maximum(0.0, 1.0 - (along / whole) ** 2))) * (
-        np.linalg.norm(motion, axis=1) > 0.0
-    ), along / whole
+    share = along / np.where(whole > 0.0, whole, 1.0)
+    return feed / size[:, None], np.sqrt(np.maximum(0.0, 1.0 - share**2)) * (whole > 0.0), share
 
 
 def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tuple[Floats, Floats, Floats, Ints, Ints]:
@@ -137,13 +166,24 @@ def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tupl
     return tips, axes, travel, station, look
 
 
-def _most_rays(stock: DexelStock, profile: ToolProfile) -> int:
+def _above(stock: Dexels, profile: ToolProfile) -> Above:
+    """Shank and holder, and where there may be material."""
+    from toolpace.kernels.cutting.cut_along import Above
+
+    solids = [*profile.shank, *profile.holder]
+    pieces = np.concatenate([np.zeros((0, 6)), *solids])
+    first: Ints = np.cumsum([0, *map(len, solids)])
+    part = np.repeat(np.arange(2), [len(profile.shank), len(profile.holder)])
+    return Above(pieces, first, part, stock.blocks(), np.zeros((1, 6)), np.zeros(3))
+
+
+def _most_rays(stock: Dexels, profile: ToolProfile) -> int:
     """At most how many rays the tool meets at a pose."""
     wide = 2.0 * profile.radius
     span = profile.length + wide
     field = stock.field
     found = 0
     for d in range(3):
-        cells = [min(int(span / field.step[k]) + 3, int(field.count[k])) for k in ((d + 1) % 3, (d + 2) % 3)]
+        cells = [min(int(span / field.step[k]) + 3, int(field.cells[k])) for k in ((d + 1) % 3, (d + 2) % 3)]
         found += cells[0] * cells[1]
     return found

@@ -7,7 +7,9 @@ axis; where the tool moves along its axis only (ACROSS), the last feed across it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 
@@ -40,3 +42,7 @@ class Engagement:
     """(n,) most width of the cut across the feed, in any slice [m]."""
     depth: Floats
     """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
+    penetration: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
+    of them within material to its surface. They remove nothing themselves; what they met is removed at the end of a
+    stretch, so that a collision is told once and with its whole depth. (0, 2) where it was not looked for."""

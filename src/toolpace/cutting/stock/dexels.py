@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.engagement.table import Engagement
     from toolpace.cutting.tool_profile import ToolProfile
     from toolpace.kernels.cutting.dexels import Field
+    from toolpace.kernels.cutting.intrusion import Blocks
 
 CELLS = 500
 """Cells along the longest side, where nothing else is wanted."""
@@ -37,9 +39,11 @@ class DexelStock:
 
     field: Field
     """The rays, for kernels."""
+    content: float | None = None
+    """Volume [m3] less what was cut; None: what the rays see."""
 
     def __repr__(self) -> str:
-        size = " x ".join(f"{1e3 * side:.4g}" for side in self.field.step * self.field.count)
+        size = " x ".join(f"{1e3 * side:.4g}" for side in self.field.step * self.field.cells)
         return one_line(self, f"{size} mm", f"resolution {1e3 * self.resolution:.3g} mm")
 
     @staticmethod
@@ -101,7 +105,7 @@ class DexelStock:
             offset = np.concatenate([[0], np.cumsum(counts[:-1])])
             places, ways = np.empty(offset[-1]), np.empty(offset[-1], np.int64)
             crossings(stock.field, corners, d, offset.copy(), places, ways)
-            stock._spare(int(offset[-1]))
+            stock.spare(int(offset[-1]))
             wrong += fill(stock.field, d, offset, places, ways)
         if wrong:
             raise UsageError(
@@ -118,7 +122,7 @@ class DexelStock:
     @property
     def bounds(self) -> tuple[Floats, Floats]:
         """Lowest and highest corner (3,) of the box of the cells [m]."""
-        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.count
+        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.cells
 
     @property
     def memory(self) -> int:
@@ -126,6 +130,16 @@ class DexelStock:
         return NODE * len(self.field.low)
 
     def volume(self) -> float:
+        """Volume of the material [m3]: that of the start less all that was cut.
+
+        Both are known better than what the rays see now (`volume_by_rays`): a face that is parallel to a direction is
+        seen by its rays within half a cell.
+        """
+        if self.content is None:
+            self.content = self.volume_by_rays()
+        return self.content
+
+    def volume_by_rays(self) -> float:
         """Volume of the material [m3]: the mean of what the three directions see."""
         from toolpace.kernels.cutting.dexels import lengths
 
@@ -133,7 +147,13 @@ class DexelStock:
 
     def copy(self) -> DexelStock:
         """The same material, which is changed apart."""
-        return DexelStock(type(self.field)(*(each.copy() for each in self.field)))
+        field = self.field
+        return DexelStock(
+            field._replace(
+                low=field.low.copy(), high=field.high.copy(), following=field.following.copy(), pool=field.pool.copy()
+            ),
+            self.content,
+        )
 
     def depths(self, points: npt.ArrayLike, most: float | None = None) -> Floats:
         """How deep points (n, 3) [m] are in material, below zero outside [m]; `most`, four cells, at most either way.
@@ -151,13 +171,78 @@ class DexelStock:
         """Whether points (n, 3) [m] are in material."""
         return np.asarray(self.depths(points) > 0.0)
 
+    def triangles(self, points: int = 200) -> Floats:
+        """The surface as a closed mesh (n, 3, 3) [m]; see `stock.surface.triangles`."""
+        from toolpace.cutting.stock.surface import triangles
+
+        return triangles(self.field, points)
+
+    def grown(self, distance: float) -> DexelStock:
+        """The stock with all that is within a distance [m] of it: never less, at most a cell's diagonal more.
+
+        What is narrower than a cell where no ray meets it is not there, and does not grow.
+        """
+        distance = number(distance, "stock: distance", least=0.0, unit="m")
+        field = self.field
+        margin = np.ceil(distance / field.step + 1e-9).astype(np.int64) + 2
+        target = _rays(field.origin - margin * field.step, field.step, field.cells + 2 * margin)
+        return self._offset(target, distance, outward=True)
+
+    def shrunk(self, distance: float) -> DexelStock:
+        """The stock without all that is within a distance [m] of air: never more, at most a cell's diagonal less."""
+        distance = number(distance, "stock: distance", least=0.0, unit="m")
+        return self._offset(DexelStock(self.copy().field), distance, outward=False)
+
+    def depth_in_material(self, solids: Sequence[Floats], stations: Stations) -> Floats:
+        """How deep any of some solids of a `ToolProfile` is in material at stations (n,) [m]; 0 where none is.
+
+        The depth is the distance of the deepest place from the surface of the solid. What touches between the rays, by
+        less than half a cell, may not be seen.
+        """
+        return self.deepest(solids, stations)[0]
+
+    def deepest(self, solids: Sequence[Floats], stations: Stations) -> tuple[Floats, Floats]:
+        """`depth_in_material`, and the deepest places (n, 3) [m]; nan where there is none."""
+        from toolpace.kernels.cutting.intrusion import deepest_along
+
+        tips = numbers(stations.tip, "stations: tip", ("n", 3), unit="m")
+        axes = numbers(stations.axis, "stations: axis", (len(tips), 3))
+        blocks = self.blocks()
+        depths, places = np.zeros(len(tips)), np.full((len(tips), 3), np.nan)
+        for solid in solids:
+            deepest_along(self.field, blocks, numbers(solid, "solid", ("n", 6)), tips, axes, depths, places)
+        return depths, places
+
     def cut(self, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
         """Cut with a tool's cutting part along stations, and tell what it met; see `engagement.cut`."""
         from toolpace.cutting.engagement.cut import cut
 
         return cut(self, profile, stations, slice_height)
 
-    def _spare(self, nodes: int) -> None:
+    def _offset(self, target: DexelStock, distance: float, *, outward: bool) -> DexelStock:
+        """Grow into a target without material, or shrink one that is a copy."""
+        from toolpace.kernels.cutting.offset import grow, shrink
+
+        work, rays = (grow, self.field.first) if outward else (shrink, self.field.first)
+        for d in range(3):
+            ray, end = int(rays[d]), int(rays[d + 1])
+            while ray < end:
+                across = 2 * np.ceil(distance / self.field.step).astype(np.int64) + 5
+                target.spare(max(64 * int(across[(d + 1) % 3] * across[(d + 2) % 3]), len(target.field.low) // 8))
+                ray = work(self.field, target.field, d, distance, ray)
+        return target
+
+    def blocks(self) -> Blocks:
+        """Where each block of rays has material."""
+        from toolpace.kernels.cutting.intrusion import BLOCK, Blocks, blocks_of
+
+        across = -(-self.field.cells // BLOCK)
+        first: Ints = np.concatenate([[0], np.cumsum([across[d - 2] * across[d - 1] for d in range(3)])])
+        blocks = Blocks(first, np.full(first[3], np.inf), np.full(first[3], -np.inf))
+        blocks_of(self.field, blocks)
+        return blocks
+
+    def spare(self, nodes: int) -> None:
         """Have at least so many free nodes."""
         from toolpace.kernels.cutting.dexels import FREE, FREE_COUNT
 
@@ -173,7 +258,7 @@ class DexelStock:
             self.field = field._replace(
                 low=np.concatenate([field.low, np.ones(more)]),
                 high=np.concatenate([field.high, np.zeros(more)]),
-                next=np.concatenate([field.next, following]),
+                following=np.concatenate([field.following, following]),
             )
 
 
@@ -186,8 +271,6 @@ def resolution_within(low: Floats, high: Floats, memory: float = MEMORY) -> floa
 
 def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
     """Rays without material between two corners."""
-    from toolpace.kernels.cutting.dexels import Field
-
     sides = high - low
     if not (sides > 0.0).all():
         shown = " x ".join(f"{1e3 * side:g}" for side in sides)
@@ -203,10 +286,17 @@ def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -
             f"the {memory / 1e6:.0f} MB that it may; give one of {1e3 * coarser:.2g} mm or more, or more memory"
         )
     count = np.maximum(wanted, 1.0).astype(np.int64)
+    return _rays(low, sides / count, count)
+
+
+def _rays(origin: Floats, step: Floats, count: Ints) -> DexelStock:
+    """Rays without material."""
+    from toolpace.kernels.cutting.dexels import Field
+
+    faces = [count[(d + 1) % 3] * count[(d + 2) % 3] for d in range(3)]
     first: Ints = np.concatenate([[0], np.cumsum(faces)]).astype(np.int64)
     rays = int(first[3])
     nothing = np.full(rays, -1, np.int64)
-    field = Field(low, sides / count, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0]))
-    stock = DexelStock(field)
-    stock._spare(int(SPARE * rays) + 64)
+    stock = DexelStock(Field(origin, step, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0])))
+    stock.spare(int(SPARE * rays) + 64)
     return stock

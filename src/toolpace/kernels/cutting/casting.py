@@ -31,7 +31,7 @@ def crossings(field: Field, triangles: Floats, d: int, offset: Ints, places: Flo
     are counted there instead. ways: 1 where the ray enters the solid, -1 where it leaves it.
     """
     u, v = (d + 1) % 3, (d + 2) % 3
-    su, sv, nu, nv = field.step[u], field.step[v], field.count[u], field.count[v]
+    su, sv, nu, nv = field.step[u], field.step[v], field.cells[u], field.cells[v]
     ou, ov = field.origin[u], field.origin[v]
     for k in range(len(triangles)):
         au, av, at = triangles[k, 0, u], triangles[k, 0, v], triangles[k, 0, d]
@@ -45,10 +45,10 @@ def crossings(field: Field, triangles: Floats, d: int, offset: Ints, places: Flo
             bu, bv, bt, cu, cv, ct = cu, cv, ct, bu, bv, bt
             area = -area
         below, above = min(at, bt, ct), max(at, bt, ct)
-        first_u = max(int(math.ceil((min(au, bu, cu) - ou) / su - 0.5)), 0)
-        last_u = min(int(math.floor((max(au, bu, cu) - ou) / su - 0.5)), nu - 1)
-        first_v = max(int(math.ceil((min(av, bv, cv) - ov) / sv - 0.5)), 0)
-        last_v = min(int(math.floor((max(av, bv, cv) - ov) / sv - 0.5)), nv - 1)
+        first_u = max(math.ceil((min(au, bu, cu) - ou) / su - 0.5), 0)
+        last_u = min(math.floor((max(au, bu, cu) - ou) / su - 0.5), nu - 1)
+        first_v = max(math.ceil((min(av, bv, cv) - ov) / sv - 0.5), 0)
+        last_v = min(math.floor((max(av, bv, cv) - ov) / sv - 0.5), nv - 1)
         for iv in range(first_v, last_v + 1):
             pv = ov + (iv + 0.5) * sv
             for iu in range(first_u, last_u + 1):
@@ -72,6 +72,7 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
 
     Returns how many rays do not leave what they enter: none in a closed mesh. Needs free nodes for all crossings.
     """
+    lows, highs, following, pool = field.low, field.high, field.following, field.pool
     wrong = 0
     for k in range(len(offset) - 1):
         begin, end = offset[k], offset[k + 1]
@@ -90,7 +91,7 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
             if winding < 0:
                 break
             if winding == 0 and places[i] > entered:
-                add(field, field.first[d] + k, entered, places[i])
+                add(lows, highs, following, pool, field.first[d] + k, entered, places[i])
         if winding != 0:
             wrong += 1
     return wrong
@@ -99,12 +100,14 @@ def fill(field: Field, d: int, offset: Ints, places: Floats, ways: Ints) -> int:
 @jit()
 def fill_revolved(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> None:
     """Put a convex solid of revolution into an empty field."""
+    lows, highs, following, pool = field.low, field.high, field.following, field.pool
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        for iv in range(field.count[v]):
+        for iv in range(field.cells[v]):
             wv = field.origin[v] + (iv + 0.5) * field.step[v] - tip[v]
-            for iu in range(field.count[u]):
+            for iu in range(field.cells[u]):
                 wu = field.origin[u] + (iu + 0.5) * field.step[u] - tip[u]
                 low, high = chord(pieces, wu * wu + wv * wv, wu * axis[u] + wv * axis[v], axis[d])
                 if low < high:
-                    add(field, field.first[d] + iv * field.count[u] + iu, low + tip[d], high + tip[d])
+                    ray = field.first[d] + iv * field.cells[u] + iu
+                    add(lows, highs, following, pool, ray, low + tip[d], high + tip[d])

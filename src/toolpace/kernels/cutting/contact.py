@@ -16,10 +16,17 @@ from toolpace.kernels.jit import jit
 
 TURN = 2.0 * math.pi
 HALVINGS = 7
+TIP, AXIS, FEED, LEFT, MOTION, TURNING = 0, 1, 2, 3, 4, 5
+"""Rows of a pose (6, 3): of the tool, and of the motion to it along left, feed and axis: of the tip, and the turning of
+the axis [rad] about left and feed. One array: a record of arrays costs time at each call."""
 LEAST_CHIP = 1e-3
 """Of the motion of the tip: where the surface moves outward by less, it slides."""
-MOST_SAMPLES = 720
-"""Of a slice."""
+LEAST_SAMPLES, MOST_SAMPLES = 12, 720
+"""Of the part of a slice that moves outward."""
+FAR = 3.0
+"""Cells beyond which depths are cut off."""
+SURE = 0.7
+"""Share of a depth within which there is no border."""
 
 
 class Slices(NamedTuple):
@@ -36,19 +43,6 @@ class Slices(NamedTuple):
     height: float
 
 
-class Pose(NamedTuple):
-    """A pose of the tool, and the motion to it."""
-
-    tip: Floats
-    axis: Floats
-    feed: Floats
-    left: Floats
-    motion: Floats
-    """(3,) of the tip along left, feed and axis."""
-    turning: Floats
-    """(2,) turning of the axis [rad] about left and feed."""
-
-
 class Arcs(NamedTuple):
     """Room for arcs."""
 
@@ -57,29 +51,29 @@ class Arcs(NamedTuple):
     exit: Floats
 
 
-@jit()
-def depth_on(field: Field, pose: Pose, z: float, radius: float, phi: float, most: float) -> float:
+@jit(inline=True)
+def depth_on(field: Field, pose: Floats, z: float, radius: float, phi: float, most: float) -> float:
     """Depth in material of a point of the tool."""
     a, b = radius * math.cos(phi), radius * math.sin(phi)
     return depth_at(
         field,
-        pose.tip[0] + z * pose.axis[0] + a * pose.left[0] + b * pose.feed[0],
-        pose.tip[1] + z * pose.axis[1] + a * pose.left[1] + b * pose.feed[1],
-        pose.tip[2] + z * pose.axis[2] + a * pose.left[2] + b * pose.feed[2],
+        pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0],
+        pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
+        pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
         most,
     )
 
 
 @jit()
-def outward(pose: Pose, z: float, radius: float, across: float, along: float) -> tuple[float, float]:
+def outward(pose: Floats, z: float, radius: float, across: float, along: float) -> tuple[float, float]:
     """Between which angles a slice moves outward; the second is not above the first where it does not."""
     lever = z * across - radius * along
-    constant = along * pose.motion[2]
-    cosine = across * pose.motion[0] - lever * pose.turning[1]
-    sine = across * pose.motion[1] - lever * pose.turning[0]
+    constant = along * pose[MOTION, 2]
+    cosine = across * pose[MOTION, 0] - lever * pose[TURNING, 1]
+    sine = across * pose[MOTION, 1] + lever * pose[TURNING, 0]
     size = math.sqrt(cosine * cosine + sine * sine)
-    total = abs(pose.motion[0]) + abs(pose.motion[1]) + abs(pose.motion[2])
-    total += z * (abs(pose.turning[0]) + abs(pose.turning[1]))
+    total = abs(pose[MOTION, 0]) + abs(pose[MOTION, 1]) + abs(pose[MOTION, 2])
+    total += z * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1]))
     if constant + size <= LEAST_CHIP * total or total == 0.0:
         return 0.0, 0.0
     if constant >= size:
@@ -90,7 +84,7 @@ def outward(pose: Pose, z: float, radius: float, across: float, along: float) ->
 
 @jit()
 def border(
-    field: Field, pose: Pose, z: float, radius: float, inside: float, outside: float, most: float
+    field: Field, pose: Floats, z: float, radius: float, inside: float, outside: float, most: float
 ) -> float:
     """The angle between one in material and one outside at which the depth is zero."""
     for _ in range(HALVINGS):
@@ -104,7 +98,7 @@ def border(
 
 @jit()
 def slice_arcs(
-    field: Field, pose: Pose, slices: Slices, j: int, arcs: Arcs, count: int, cell: float, least: float
+    field: Field, pose: Floats, slices: Slices, j: int, arcs: Arcs, count: int, cell: float, least: float
 ) -> tuple[int, float]:
     """Write the arcs of a slice behind the first `count`: how many there are then, and the angle of the deepest place
     (nan: there is none). Arcs nowhere deeper than `least` are left out."""
@@ -113,19 +107,18 @@ def slice_arcs(
     best, deepest = math.nan, least
     if end <= begin:
         return count, best
-    samples = min(max(int(math.ceil(radius * (end - begin) / cell)), 12), MOST_SAMPLES)
-    width, most = (end - begin) / samples, 2.0 * cell
-    whole = end - begin >= TURN
+    shortest = min(max(cell / max(radius, cell), (end - begin) / MOST_SAMPLES), (end - begin) / LEAST_SAMPLES)
+    whole, most = end - begin >= TURN, FAR * cell
     first = count
     entry, top, before = math.nan, -most, begin
-    for k in range(samples):
-        phi = begin + (k + 0.5) * width
+    phi = begin + 0.5 * shortest
+    while phi < end:
         depth = depth_on(field, pose, z, radius, phi, most)
         if depth > deepest:
             best, deepest = phi, depth
         if depth > 0.0:
             if math.isnan(entry):
-                entry = begin if k == 0 else border(field, pose, z, radius, phi, before, most)
+                entry = begin if before == begin else border(field, pose, z, radius, phi, before, most)
                 top = depth
             top = max(top, depth)
         elif not math.isnan(entry):
@@ -135,6 +128,8 @@ def slice_arcs(
                 count += 1
             entry = math.nan
         before = phi
+        # no border is nearer than the depth; near edges the depth is not that sure
+        phi += max(shortest, SURE * abs(depth) / max(radius, cell))
     if not math.isnan(entry) and top > least and count < len(arcs.slice):
         arcs.slice[count], arcs.entry[count], arcs.exit[count] = j, entry, end
         count += 1
@@ -150,27 +145,29 @@ def slice_arcs(
 
 
 @jit()
-def flat_share(field: Field, pose: Pose, radius: float, cell: float, least: float) -> float:
+def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: float) -> float:
     """The share of the flat end, by area, that moves into material."""
-    rings = min(max(int(math.ceil(radius / cell)), 2), 24)
+    rings = min(max(math.ceil(radius / cell), 2), 24)
     found = 0.0
+    if -pose[MOTION, 2] + radius * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1])) <= 0.0:
+        return found
     for ring in range(rings):
         r = radius * (ring + 0.5) / rings
-        samples = min(max(int(math.ceil(TURN * r / cell)), 6), 96)
+        samples = min(max(math.ceil(TURN * r / cell), 6), 96)
         inside = 0
         for k in range(samples):
             phi = TURN * (k + 0.5) / samples
             # turning about left moves what is ahead downwards, turning about the feed what is on the left upwards
-            down = -pose.motion[2] + r * (pose.turning[0] * math.sin(phi) - pose.turning[1] * math.cos(phi))
-            if down > LEAST_CHIP * (abs(pose.motion[0]) + abs(pose.motion[1])):
-                inside += depth_on(field, pose, 0.0, r, phi, 2.0 * cell) > least
+            down = -pose[MOTION, 2] + r * (pose[TURNING, 0] * math.sin(phi) - pose[TURNING, 1] * math.cos(phi))
+            if down > LEAST_CHIP * (abs(pose[MOTION, 0]) + abs(pose[MOTION, 1])):
+                inside += depth_on(field, pose, 0.0, r, phi, FAR * cell) > least
         found += (2 * ring + 1) * inside / samples
     return found / (rings * rings)
 
 
 @jit()
 def height_of_border(
-    field: Field, pose: Pose, slices: Slices, j: int, k: int, phi: float, most: float
+    field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
 ) -> float:
     """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
     inside, outside = 0.0, 1.0
@@ -182,33 +179,22 @@ def height_of_border(
             inside = share
         else:
             outside = share
-    return slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
-
-
-@jit()
-def near_slice(field: Field, pose: Pose, z: float, radius: float) -> bool:
-    """Whether a slice may be within the box of the stock."""
-    for d in range(3):
-        middle = pose.tip[d] + z * pose.axis[d]
-        if middle + radius < field.origin[d]:
-            return False
-        if middle - radius > field.origin[d] + field.step[d] * field.count[d]:
-            return False
-    return True
+    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
+    return height
 
 
 @jit()
 def contact(
-    field: Field, pose: Pose, slices: Slices, arcs: Arcs, count: int, cell: float, least: float
+    field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
+    least: float,
 ) -> tuple[int, float, float, float]:
-    """Write the arcs of a pose: how many there are then; width, depth, and the share of the flat end."""
-    last, most = len(slices.z) - 1, 2.0 * cell
+    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end."""
+    last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
     low_phi, high_phi = 0.0, 0.0
     width = 0.0
-    for j in range(last + 1):
-        if not near_slice(field, pose, slices.z[j], slices.radius[j]):
-            continue
+    bottom = max(int(low / slices.height - 0.5), 0)
+    for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
         count, phi = slice_arcs(field, pose, slices, j, arcs, count, cell, least)
         if count > first:

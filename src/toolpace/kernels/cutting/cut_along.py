@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
+import numpy as np
+
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.cutting.contact import Arcs, Pose, Slices, contact
+from toolpace.kernels.cutting.contact import AXIS, FEED, LEFT, MOTION, TIP, TURNING, Arcs, Slices, contact
 from toolpace.kernels.cutting.dexels import FREE_COUNT, Field
+from toolpace.kernels.cutting.intrusion import Blocks, deepest
 from toolpace.kernels.cutting.removal import cut_at, near_box, widest_of
 from toolpace.kernels.jit import jit
 
@@ -40,9 +42,25 @@ class Found(NamedTuple):
     last_arc: Ints
     """(n,) number of arcs up to and with this station."""
     removed: Floats
+    penetration: Floats
+    """(n, 2) of what is above the edge, by part."""
     width: Floats
     depth: Floats
     flat: Floats
+
+
+class Above(NamedTuple):
+    """Solids above the edge, that cut nothing."""
+
+    pieces: Floats
+    first: Ints
+    """(k + 1,) pieces of solid j are first[j] to first[j + 1]."""
+    part: Ints
+    """(k,) the column of `Found.penetration` that the solid belongs to."""
+    blocks: Blocks
+    cover: Floats
+    """(1, 6) and `place` (3,): room to work in."""
+    place: Floats
 
 
 @jit()
@@ -57,69 +75,76 @@ def rays_met(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> int:
         u, v = (d + 1) % 3, (d + 2) % 3
         wide = int((abs(axis[u]) * (z1 - z0) + 2.0 * radius) / field.step[u]) + 2
         high = int((abs(axis[v]) * (z1 - z0) + 2.0 * radius) / field.step[v]) + 2
-        met += min(wide, field.count[u]) * min(high, field.count[v])
+        met += min(wide, field.cells[u]) * min(high, field.cells[v])
     return met
 
 
 @jit()
-def pose_at(poses: Poses, k: int, feed: Floats, left: Floats, motion: Floats, turning: Floats) -> Pose:
-    """The pose k with the motion from the one before it; writes to `left`, `motion` and `turning`."""
+def pose_at(poses: Poses, k: int, feed: Floats, pose: Floats) -> None:
+    """Write the pose k (6, 3), and the motion to it from the one before it."""
     tip, axis, before = poses.tip[k], poses.axis[k], poses.axis[k - 1]
+    pose[MOTION:] = 0.0
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        left[d] = axis[u] * feed[v] - axis[v] * feed[u]
-    turning[0], turning[1] = 0.0, 0.0
-    motion[0], motion[1], motion[2] = 0.0, 0.0, 0.0
-    for d in range(3):
-        u, v = (d + 1) % 3, (d + 2) % 3
-        step = tip[d] - poses.tip[k - 1, d]
-        motion[0] += step * left[d]
-        motion[1] += step * feed[d]
-        motion[2] += step * axis[d]
-        turn = before[u] * axis[v] - before[v] * axis[u]
-        turning[0] += turn * left[d]
-        turning[1] += turn * feed[d]
-    return Pose(tip, axis, feed, left, motion, turning)
+        left = axis[u] * feed[v] - axis[v] * feed[u]
+        step, turn = tip[d] - poses.tip[k - 1, d], before[u] * axis[v] - before[v] * axis[u]
+        pose[TIP, d], pose[AXIS, d], pose[FEED, d], pose[LEFT, d] = tip[d], axis[d], feed[d], left
+        pose[MOTION, 0] += step * left
+        pose[MOTION, 1] += step * feed[d]
+        pose[MOTION, 2] += step * axis[d]
+        pose[TURNING, 0] += turn * left
+        pose[TURNING, 1] += turn * feed[d]
+
+
+@jit()
+def cut_next(field: Field, pieces: Floats, above: Above, poses: Poses, found: Found, progress: Ints) -> bool:
+    """Cut at the next pose that is not, and look at what is above the edge there; False where free nodes run out."""
+    k = progress[CUT]
+    tip, axis, i = poses.tip[k], poses.axis[k], poses.station[k]
+    if rays_met(field, pieces, tip, axis) > field.pool[FREE_COUNT]:
+        return False
+    found.removed[i] += cut_at(field, pieces, tip, axis)
+    if poses.look[k] == 1:
+        for j in range(len(above.part)):
+            solid, part = above.pieces[above.first[j] : above.first[j + 1]], above.part[j]
+            found.penetration[i, part] = deepest(
+                field, above.blocks, solid, above.cover, tip, axis, found.penetration[i, part], above.place
+            )
+    progress[CUT] += 1
+    return True
 
 
 @jit()
 def cut_along(
-    field: Field, pieces: Floats, slices: Slices, poses: Poses, found: Found, arcs: Arcs, progress: Ints,
-    cell: float, least: float, last: int,
+    field: Field, pieces: Floats, above: Above, slices: Slices, poses: Poses, found: Found, arcs: Arcs, progress: Ints,
+    cell: float, least: float, until: int,
 ) -> bool:
-    """Go on along the poses from `progress`, to the end where it returns True.
+    """Go on from `progress` to the pose `until`, and cut all where that is the end; True then.
 
-    Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further;
-    with `last`, all.
+    Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further.
     """
-    left, motion, turning = math.nan * pieces[0, :3], math.nan * pieces[0, :3], math.nan * pieces[0, :2]
+    pose = np.empty((6, 3))
     radius = widest_of(pieces)
     room = 64 * len(slices.z)
-    while progress[AT] < len(poses.travel):
+    while progress[AT] < until:
         k = progress[AT]
         behind = poses.travel[k] - LAG * cell
         while progress[CUT] < k and poses.travel[progress[CUT]] <= behind:
-            c = progress[CUT]
-            if rays_met(field, pieces, poses.tip[c], poses.axis[c]) > field.pool[FREE_COUNT]:
+            if not cut_next(field, pieces, above, poses, found, progress):
                 return False
-            found.removed[poses.station[c]] += cut_at(field, pieces, poses.tip[c], poses.axis[c])
-            progress[CUT] += 1
         if poses.look[k] == 1:
             if progress[ARCS] + room > len(arcs.slice):
                 return False
             i = poses.station[k]
             low, high = near_box(field, pieces, poses.tip[k], poses.axis[k], radius)
             if k > 0 and low <= high:
-                pose = pose_at(poses, k, found.feed[i], left, motion, turning)
+                pose_at(poses, k, found.feed[i], pose)
                 progress[ARCS], found.width[i], found.depth[i], found.flat[i] = contact(
-                    field, pose, slices, arcs, progress[ARCS], cell, least
+                    field, pose, slices, low, high, arcs, progress[ARCS], cell, least
                 )
             found.last_arc[i] = progress[ARCS]
         progress[AT] += 1
-    while last == 1 and progress[CUT] < len(poses.travel):
-        c = progress[CUT]
-        if rays_met(field, pieces, poses.tip[c], poses.axis[c]) > field.pool[FREE_COUNT]:
+    while until == len(poses.travel) and progress[CUT] < until:
+        if not cut_next(field, pieces, above, poses, found, progress):
             return False
-        found.removed[poses.station[c]] += cut_at(field, pieces, poses.tip[c], poses.axis[c])
-        progress[CUT] += 1
     return True

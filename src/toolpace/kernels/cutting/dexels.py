@@ -4,6 +4,8 @@ Benouamer and Michelucci, Bridging the gap between CSG and Brep via a triple ray
 intervals are exact; a surface is known as well as the rays that cross it at the steepest angle know it. Memory grows
 with the surface. An interval is a node; the first node of a ray has the number of the ray, further ones come from a
 pool. Rays of direction d lie in the middle of the cells across d, row by row.
+
+What is called in the innermost loops takes the arrays one by one: a record of arrays costs time at each call.
 """
 
 from __future__ import annotations
@@ -25,51 +27,55 @@ class Field(NamedTuple):
     """(3,) lowest corner of the box."""
     step: Floats
     """(3,) of the cells."""
-    count: Ints
-    """(3,) cells along x, y and z."""
+    cells: Ints
+    """(3,) how many there are along x, y and z."""
     first: Ints
     """(4,) number of the first ray along x, y, z, and of all."""
     low: Floats
     """(nodes,) where an interval begins; above `high` for a first node without material."""
     high: Floats
     """(nodes,)"""
-    next: Ints
+    following: Ints
     """(nodes,) the next node of the ray, or of what is free; -1: none."""
     pool: Ints
     """(2,) first free node, and how many there are."""
 
 
-@jit()
-def node_after(field: Field, node: int, low: float, high: float) -> None:
+@jit(inline=True)
+def put_behind(
+    lows: Floats, highs: Floats, following: Ints, pool: Ints, node: int, low: float, high: float
+) -> None:
     """Put an interval behind a node; there must be a free node."""
-    new = field.pool[FREE]
-    field.pool[FREE] = field.next[new]
-    field.pool[FREE_COUNT] -= 1
-    field.low[new], field.high[new] = low, high
-    field.next[new] = field.next[node]
-    field.next[node] = new
+    new = pool[FREE]
+    pool[FREE] = following[new]
+    pool[FREE_COUNT] -= 1
+    lows[new], highs[new] = low, high
+    following[new] = following[node]
+    following[node] = new
 
 
-@jit()
-def free_node(field: Field, node: int) -> None:
+@jit(inline=True)
+def give_back(following: Ints, pool: Ints, node: int) -> None:
     """Give a node back to the pool."""
-    field.next[node] = field.pool[FREE]
-    field.pool[FREE] = node
-    field.pool[FREE_COUNT] += 1
+    following[node] = pool[FREE]
+    pool[FREE] = node
+    pool[FREE_COUNT] += 1
 
 
 @jit()
-def subtract(field: Field, ray: int, low: float, high: float, shortest: float) -> tuple[float, float]:
+def subtract(
+    lows: Floats, highs: Floats, following: Ints, pool: Ints, ray: int, low: float, high: float, shortest: float
+) -> tuple[float, float]:
     """Take the material between two places out of a ray: length and first moment of what is taken.
 
     What is left shorter than `shortest` is taken too. Needs one free node.
     """
     length, moment = 0.0, 0.0
     node, before = ray, -1
-    if field.low[ray] > field.high[ray]:
+    if lows[ray] > highs[ray]:
         return length, moment
     while node >= 0:
-        begin, end, after = field.low[node], field.high[node], field.next[node]
+        begin, end, after = lows[node], highs[node], following[node]
         if begin >= high:
             break
         if end > low:
@@ -79,53 +85,51 @@ def subtract(field: Field, ray: int, low: float, high: float, shortest: float) -
             length += b - a
             moment += 0.5 * (b - a) * (a + b)
             if left and right:
-                node_after(field, node, high, end)
-                field.high[node] = low
+                put_behind(lows, highs, following, pool, node, high, end)
+                highs[node] = low
                 break
             if left:
-                field.high[node] = low
+                highs[node] = low
             elif right:
-                field.low[node] = high
+                lows[node] = high
             elif before >= 0:
-                field.next[before] = after
-                free_node(field, node)
+                following[before] = after
+                give_back(following, pool, node)
                 node = after
                 continue
             elif after >= 0:
-                field.low[node], field.high[node] = field.low[after], field.high[after]
-                field.next[node] = field.next[after]
-                free_node(field, after)
+                lows[node], highs[node], following[node] = lows[after], highs[after], following[after]
+                give_back(following, pool, after)
                 continue
             else:
-                field.low[node], field.high[node] = 1.0, 0.0
+                lows[node], highs[node] = 1.0, 0.0
                 break
         before, node = node, after
     return length, moment
 
 
 @jit()
-def add(field: Field, ray: int, low: float, high: float) -> None:
+def add(lows: Floats, highs: Floats, following: Ints, pool: Ints, ray: int, low: float, high: float) -> None:
     """Put material between two places of a ray, merged with what it touches. Needs one free node."""
-    if field.low[ray] > field.high[ray]:
-        field.low[ray], field.high[ray] = low, high
+    if lows[ray] > highs[ray]:
+        lows[ray], highs[ray] = low, high
         return
     node, before = ray, -1
-    while node >= 0 and field.high[node] < low:
-        before, node = node, field.next[node]
+    while node >= 0 and highs[node] < low:
+        before, node = node, following[node]
     if node < 0:
-        node_after(field, before, low, high)
-    elif high < field.low[node]:
-        node_after(field, node, field.low[node], field.high[node])
-        field.low[node], field.high[node] = low, high
+        put_behind(lows, highs, following, pool, before, low, high)
+    elif high < lows[node]:
+        put_behind(lows, highs, following, pool, node, lows[node], highs[node])
+        lows[node], highs[node] = low, high
     else:
-        field.low[node] = min(field.low[node], low)
-        field.high[node] = max(field.high[node], high)
-        after = field.next[node]
-        while after >= 0 and field.low[after] <= field.high[node]:
-            field.high[node] = max(field.high[node], field.high[after])
-            field.next[node] = field.next[after]
-            free_node(field, after)
-            after = field.next[node]
+        lows[node], highs[node] = min(lows[node], low), max(highs[node], high)
+        after = following[node]
+        while after >= 0 and lows[after] <= highs[node]:
+            highs[node] = max(highs[node], highs[after])
+            following[node] = following[after]
+            give_back(following, pool, after)
+            after = following[node]
 
 
 @jit()
@@ -139,13 +143,13 @@ def lengths(field: Field) -> tuple[float, float, float]:
             while node >= 0:
                 if field.high[node] > field.low[node]:
                     total += field.high[node] - field.low[node]
-                node = field.next[node]
+                node = field.following[node]
         total *= field.step[(d + 1) % 3] * field.step[(d + 2) % 3]
         found = (total if d == 0 else found[0], total if d == 1 else found[1], total if d == 2 else found[2])
     return found
 
 
-@jit()
+@jit(inline=True)
 def depth_on_ray(field: Field, ray: int, place: float, most: float) -> float:
     """How deep a place is in the material of a ray, along it; below zero outside; `most` at most either way."""
     node = ray
@@ -155,11 +159,13 @@ def depth_on_ray(field: Field, ray: int, place: float, most: float) -> float:
     while node >= 0:
         low, high = field.low[node], field.high[node]
         if place < low:
-            return -min(gap, low - place)
+            outside: float = -min(gap, low - place)
+            return outside
         if place <= high:
-            return min(most, place - low, high - place)
+            inside: float = min(most, place - low, high - place)
+            return inside
         gap = min(most, place - high)
-        node = field.next[node]
+        node = field.following[node]
     return -gap
 
 
@@ -172,19 +178,20 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float) -> float:
     come to their end within `most` tell on which side the point is, and no more.
     """
     at = (x, y, z)
-    best, score, steep = -most, math.inf, 1.0
+    score, best, steep = math.inf, -most, 1.0
     for d in range(3):
-        outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.count[d])
+        outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.cells[d])
         if outside > 0.0:
-            return -min(outside, most)
+            depth: float = -min(outside, most)
+            return depth
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
-        fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.count[u] - 1.0)
-        fv = min(max((at[v] - field.origin[v]) / field.step[v] - 0.5, 0.0), field.count[v] - 1.0)
+        fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.cells[u] - 1.0)
+        fv = min(max((at[v] - field.origin[v]) / field.step[v] - 0.5, 0.0), field.cells[v] - 1.0)
         iu, iv = int(fu), int(fv)
-        ju, jv = min(iu + 1, field.count[u] - 1), min(iv + 1, field.count[v] - 1)
+        ju, jv = min(iu + 1, field.cells[u] - 1), min(iv + 1, field.cells[v] - 1)
         fu, fv = fu - iu, fv - iv
-        row, above = field.first[d] + iv * field.count[u], field.first[d] + jv * field.count[u]
+        row, above = field.first[d] + iv * field.cells[u], field.first[d] + jv * field.cells[u]
         a = depth_on_ray(field, row + iu, at[d], most)
         b = depth_on_ray(field, row + ju, at[d], most)
         c = depth_on_ray(field, above + iu, at[d], most)

@@ -30,11 +30,12 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
     Returns the ray at which free nodes ran out, or the end of the rays.
     """
     u, v = (d + 1) % 3, (d + 2) % 3
-    nu, mu, mv = source.count[u], target.count[u], target.count[v]
-    shift_u = int(round((source.origin[u] - target.origin[u]) / source.step[u]))
-    shift_v = int(round((source.origin[v] - target.origin[v]) / source.step[v]))
-    far_u = int(math.ceil(distance / source.step[u])) + 2
-    far_v = int(math.ceil(distance / source.step[v])) + 2
+    nu, mu, mv = source.cells[u], target.cells[u], target.cells[v]
+    shift_u = round((source.origin[u] - target.origin[u]) / source.step[u])
+    shift_v = round((source.origin[v] - target.origin[v]) / source.step[v])
+    far_u = math.ceil(distance / source.step[u]) + 2
+    far_v = math.ceil(distance / source.step[v]) + 2
+    lows, highs, following, pool = target.low, target.high, target.following, target.pool
     while ray < source.first[d + 1]:
         if target.pool[FREE_COUNT] < 64 * (2 * far_u + 1) * (2 * far_v + 1):
             return ray
@@ -48,8 +49,8 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
                         reach = reach_of(d, di, dj, distance, source)
                         if reach >= 0.0:
                             low, high = source.low[node] - reach, source.high[node] + reach
-                            add(target, target.first[d] + j * mu + i, low, high)
-            node = source.next[node]
+                            add(lows, highs, following, pool, target.first[d] + j * mu + i, low, high)
+            node = source.following[node]
         ray += 1
     return ray
 
@@ -58,9 +59,10 @@ def grow(source: Field, target: Field, d: int, distance: float, ray: int) -> int
 def shrink(source: Field, target: Field, d: int, distance: float, ray: int) -> int:
     """Take the offset of the air along rays of d from `ray` on out of a copy; returns as `grow` does."""
     u, v = (d + 1) % 3, (d + 2) % 3
-    nu, nv = source.count[u], source.count[v]
-    far_u = int(math.ceil(distance / source.step[u])) + 2
-    far_v = int(math.ceil(distance / source.step[v])) + 2
+    nu, nv = source.cells[u], source.cells[v]
+    far_u = math.ceil(distance / source.step[u]) + 2
+    far_v = math.ceil(distance / source.step[v]) + 2
+    lows, highs, following, pool = target.low, target.high, target.following, target.pool
     while ray < target.first[d + 1]:
         if target.pool[FREE_COUNT] < 64 * (2 * far_u + 1) * (2 * far_v + 1):
             return ray
@@ -77,9 +79,10 @@ def shrink(source: Field, target: Field, d: int, distance: float, ray: int) -> i
                         node = source.first[d] + j * nu + i
                         while node >= 0:
                             if source.low[node] < source.high[node]:
-                                subtract(target, ray, begin - reach, source.low[node] + reach, 0.0)
+                                end = source.low[node] + reach
+                                subtract(lows, highs, following, pool, ray, begin - reach, end, 0.0)
                                 begin = source.high[node]
-                            node = source.next[node]
-                    subtract(target, ray, begin - reach, math.inf, 0.0)
+                            node = source.following[node]
+                    subtract(lows, highs, following, pool, ray, begin - reach, math.inf, 0.0)
         ray += 1
     return ray

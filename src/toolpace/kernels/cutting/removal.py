@@ -41,7 +41,7 @@ def near_box(field: Field, pieces: Floats, tip: Floats, axis: Floats, radius: fl
     low, high = pieces[0, Z0], pieces[len(pieces) - 1, Z1]
     for d in range(3):
         least = field.origin[d] - radius - tip[d]
-        most = field.origin[d] + field.step[d] * field.count[d] + radius - tip[d]
+        most = field.origin[d] + field.step[d] * field.cells[d] + radius - tip[d]
         if abs(axis[d]) < 1e-12:
             if least > 0.0 or most < 0.0:
                 return 1.0, 0.0
@@ -51,7 +51,7 @@ def near_box(field: Field, pieces: Floats, tip: Floats, axis: Floats, radius: fl
     return low, high
 
 
-@jit()
+@jit(inline=True)
 def row_part(shadow: Shadow, v: float) -> tuple[float, float]:
     """The part of the row at v that is within the shadow: two circles and the strip between them."""
     low, high = math.inf, -math.inf
@@ -90,18 +90,21 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
     """
     radius = widest_of(pieces)
     z0, z1 = near_box(field, pieces, tip, axis, radius)
+    lows, highs, following, pool = field.low, field.high, field.following, field.pool
     volume = 0.0
     if z0 > z1:
         return volume
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         su, sv, lean = field.step[u], field.step[v], axis[d]
+        first_u, first_ray, across, tip_u, tip_d = field.origin[u], field.first[d], field.cells[u], tip[u], tip[d]
+        axis_u, axis_v = axis[u], axis[v]
         shadow = Shadow(
             tip[u] + z0 * axis[u], tip[v] + z0 * axis[v], (z1 - z0) * axis[u], (z1 - z0) * axis[v], radius
         )
         top, bottom = max(shadow.v, shadow.v + shadow.dv) + radius, min(shadow.v, shadow.v + shadow.dv) - radius
-        begin = max(int(math.ceil((bottom - field.origin[v]) / sv - 0.5)), 0)
-        end = min(int(math.floor((top - field.origin[v]) / sv - 0.5)), field.count[v] - 1)
+        begin = max(math.ceil((bottom - field.origin[v]) / sv - 0.5), 0)
+        end = min(math.floor((top - field.origin[v]) / sv - 0.5), field.cells[v] - 1)
         seen = 0.0
         for iv in range(begin, end + 1):
             at_v = field.origin[v] + (iv + 0.5) * sv
@@ -109,25 +112,33 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
             if low > high:
                 continue
             wv = at_v - tip[v]
-            left = max(int(math.ceil((low - field.origin[u]) / su - 0.5)), 0)
-            right = min(int(math.floor((high - field.origin[u]) / su - 0.5)), field.count[u] - 1)
+            left = max(math.ceil((low - field.origin[u]) / su - 0.5), 0)
+            right = min(math.floor((high - field.origin[u]) / su - 0.5), field.cells[u] - 1)
             for iu in range(left, right + 1):
-                ray = field.first[d] + iv * field.count[u] + iu
-                if field.low[ray] > field.high[ray]:
+                ray = first_ray + iv * across + iu
+                if lows[ray] > highs[ray]:
                     continue
-                wu = field.origin[u] + (iu + 0.5) * su - tip[u]
-                off, base = wu * wu + wv * wv, wu * axis[u] + wv * axis[v]
+                wu = first_u + (iu + 0.5) * su - tip_u
+                off, base = wu * wu + wv * wv, wu * axis_u + wv * axis_v
                 first, last = chord(pieces, off, base, lean)
-                if field.low[ray] - tip[d] >= last:
+                node = ray
+                while node >= 0 and highs[node] - tip_d <= first:
+                    node = following[node]
+                if node < 0 or lows[node] - tip_d >= last or first >= last:
                     continue
                 # by halves: what is taken near one end of the chord has the normal of that end
                 middle = 0.5 * (first + last)
                 for half in range(2):
                     low, high = (first, middle) if half == 0 else (middle, last)
                     if low < high:
-                        length, moment = subtract(field, ray, low + tip[d], high + tip[d], SHORTEST * su)
+                        length, moment = subtract(
+                            lows, highs, following, pool, ray, low + tip_d, high + tip_d, SHORTEST * su
+                        )
                         if length > 0.0:
-                            part = normal_along(pieces, off, base, lean, moment / length - tip[d])
-                            seen += length * part * part
+                            # two Gauss points: along a ray that grazes, the normal turns
+                            t, apart = moment / length - tip_d, 0.28867513459481287 * length
+                            one = normal_along(pieces, off, base, lean, t - apart)
+                            other = normal_along(pieces, off, base, lean, t + apart)
+                            seen += 0.5 * length * (one * one + other * other)
         volume += seen * su * sv
     return volume

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.affine import Matrix
-from toolpace.programs.reading.coordinates.kinematics import Poses
-from toolpace.programs.reading.coordinates.setup import Position, SetUp
+from toolpace.programs.reading.coordinates.kinematics import Kinematics, Poses
+from toolpace.programs.reading.coordinates.setup import Position, SetUp, offset_name
 
 INSIDE = 1e-3
 """How far inside travel the stand-ins of machine coordinates end [m]: a smooth path swings about its points."""
@@ -109,6 +111,23 @@ class Datum:
             for letter, slot in self.poses.slots().items():
                 values[slot] = self.zero[slot] + position.get(letter, 0.0) + (lift[slot] if slot < 3 else 0.0)
         return values
+
+
+def placement_of_offset(machine: Kinematics | None, setup: SetUp, name: str) -> Floats:
+    """(4, 4) from the coordinates of a work offset to the frame of the part [m]: as a block of X, Y and Z means them
+    while the rotary joints stand where the offset has them. Raises UsageError where the sheet lists others only."""
+    name = offset_name(name)
+    if setup.offsets and name not in setup.offsets:
+        raise UsageError(
+            f"{setup.source or 'set-up sheet'}: the work offset {name} is not among {', '.join(setup.offsets)}; list "
+            f"[offsets.{name}]"
+        )
+    poses = Poses(machine)
+    position = Datum(poses, setup).origin(name)
+    at, columns, _ = poses.linear_map(position[3:])
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = columns, at + columns @ np.array(position[:3])
+    return matrix
 
 
 @dataclass

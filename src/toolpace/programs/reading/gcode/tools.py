@@ -53,6 +53,7 @@ class Tools:
     def stop(self, numbers: Numbers, word: str) -> None:
         """Spindle, coolant, clamps: the motion comes to rest."""
         self.control.stop()
+        self.control.turn_spindle(word=word)
 
     def unknown_function(self, numbers: Numbers, word: str) -> None:
         """An M word of the machine's builder."""
@@ -177,7 +178,7 @@ class Tools:
 
     def _need_tools(self, word: str) -> None:
         if not self.control.setup.tells_lengths:
-            raise RefusedError(word, "it counts from the spindle: list the lengths of tools on the sheet (--setup)")
+            raise RefusedError(word, "it counts from the spindle: list the tools on the set-up sheet (--setup)")
 
     def _offset(self, offset: list[float]) -> None:
         x, y, length = offset

@@ -58,7 +58,7 @@ class ToolTables(Quantities):
             if radius is not None and radius > WIDEST_RADIUS * figures.diameter:
                 self.fail(place, f"radius = {table['radius']!r} with diameter = {table.get('diameter')!r}: correct one")
             radius = 0.5 * figures.diameter if radius is None else radius
-        if corner is None and figures.kind in ("flat", "bull", "ball"):
+        if figures.kind in ("flat", "bull", "ball"):
             corner = figures.corner_radius
         return Tool(found.get("length"), radius, corner, figures)
 

@@ -1,0 +1,143 @@
+"""What is wrong with a cut: each finding with its block, operation, depth and place, the worst first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats
+from toolpace.cutting.engagement.stations import Stations
+
+FindingKind = Literal["rapid", "holder", "shank", "gouge", "flute", "air"]
+COLLISIONS: tuple[FindingKind, ...] = ("rapid", "holder", "shank", "gouge", "flute")
+"""Kinds that spoil tool, part or machine: the command ends with 1. What cuts air only wastes time."""
+WORDS: dict[FindingKind, str] = {
+    "rapid": "rapid through",
+    "holder": "holder in",
+    "shank": "shank in",
+    "gouge": "cuts into",
+    "flute": "cuts above its flutes in",
+    "air": "feed in air, never in",
+}
+STOCK, PART = "stock", "finished part"
+"""Bodies that are met; a fixture is "fixture NAME"."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong, in one block."""
+
+    kind: FindingKind
+    line: int
+    """Line of the program."""
+    operation: str
+    tool: str
+    body: str
+    """What is met: the stock, the finished part, or a fixture by its name."""
+    depth: float
+    """How deep in it, at the worst place [m]; 0 of `air`."""
+    place: tuple[float, float, float]
+    """Of the tip, there, in the frame of the part [m]."""
+    time: float
+    """When it is passed [s]."""
+    seconds: float
+    """How long the block is in that state [s]."""
+    last_line: int
+    """The same as `line`, but of `air`: the last of the blocks that cut nothing, one after the other."""
+    certain: bool = True
+    """Whether it is so wherever, within its uncertainty, the stock ends."""
+
+    @property
+    def collision(self) -> bool:
+        """Whether it spoils tool, part or machine."""
+        return self.kind in COLLISIONS
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A body that the tool is in along stations, as it is found."""
+
+    kind: FindingKind
+    body: str
+    depth: Floats
+    """(n,) [m]; 0 or less where there is no contact."""
+    certain: Bools
+    """(n,) whether it is there in any case."""
+
+
+def findings_of(
+    stations: Stations, contacts: Iterable[Contact], operation: str, tool: str
+) -> list[Finding]:
+    """The findings of a stretch of stations: of each contact one for each block."""
+    seconds = stations.moving_time
+    found = []
+    for contact in contacts:
+        there = contact.depth > 0.0
+        for block in np.unique(stations.block[there]).tolist():
+            at = np.flatnonzero(there & (stations.block == block))
+            worst = int(at[np.argmax(contact.depth[at])])
+            found.append(
+                Finding(
+                    kind=contact.kind,
+                    line=block,
+                    operation=operation,
+                    tool=tool,
+                    body=contact.body,
+                    depth=float(contact.depth[worst]),
+                    place=_place(stations, worst),
+                    time=float(stations.time[worst]),
+                    seconds=float(seconds[at].sum()),
+                    last_line=block,
+                    certain=bool(contact.certain[at].any()),
+                )
+            )
+    return found
+
+
+def air_findings(stations: Stations, air: Bools, operation: str, tool: str) -> list[Finding]:
+    """Blocks at feed that cut nothing from their begin to their end: of neighbours one finding."""
+    seconds = stations.moving_time
+    head = np.flatnonzero(np.diff(stations.block[1:], prepend=-1)) + 1
+    found: list[Finding] = []
+    before = -1
+    for k, (first, last) in enumerate(zip(head, [*head[1:].tolist(), len(stations.block)])):
+        if not air[first:last].all():
+            continue
+        took = float(seconds[first:last].sum())
+        line = int(stations.block[first])
+        if before == k - 1 and found:
+            whole = found.pop()
+            found.append(
+                Finding(
+                    "air", whole.line, operation, tool, STOCK, 0.0, whole.place, whole.time, whole.seconds + took, line
+                )
+            )
+        else:
+            place, time = _place(stations, first - 1), float(stations.time[first - 1])
+            found.append(Finding("air", line, operation, tool, STOCK, 0.0, place, time, took, line))
+        before = k
+    return found
+
+
+def worst_first(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Collisions before the rest, those that are certain before those that may be, the deepest and longest first.
+
+    Blocks that a rapid parts into several stretches have one finding, that of their worst place.
+    """
+    merged: dict[tuple[str, str, int, str], Finding] = {}
+    for each in findings:
+        key = (each.kind, each.body, each.line, each.operation)
+        before = merged.get(key)
+        if before is None or each.depth > before.depth or (each.kind == "air" and each.seconds > before.seconds):
+            merged[key] = each
+    return tuple(
+        sorted(merged.values(), key=lambda each: (not each.collision, not each.certain, -each.depth, -each.seconds))
+    )
+
+
+def _place(stations: Stations, at: int | np.integer[Any]) -> tuple[float, float, float]:
+    x, y, z = stations.tip[at].tolist()
+    return x, y, z

@@ -1,0 +1,107 @@
+"""The stock between the least and the largest that it may be, and what the tool meets of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats
+from toolpace.common.workers import Workers
+from toolpace.cutting.engagement.stations import Stations
+from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.tool_profile import ToolProfile
+
+Result = TypeVar("Result")
+Solids = tuple[Floats, ...]
+"""Convex solids of revolution, as a tool's profile has them."""
+
+
+class Stock(Protocol):
+    """Material that can be cut."""
+
+    @property
+    def resolution(self) -> float:
+        """Size of a cell [m]."""
+    def volume(self) -> float:
+        """[m3]"""
+    def copy(self) -> Stock: ...
+    def cut(self, profile: ToolProfile, stations: Stations) -> Engagement: ...
+    def depth_in_material(self, solids: Solids, stations: Stations) -> Floats: ...
+    def triangles(self) -> Floats: ...
+
+
+class Met(NamedTuple):
+    """What the tool meets along n stations of one stock."""
+
+    engagement: Engagement
+    cutting: Floats
+    """(n,) how deep the cutting part is in the stock as it was before these stations [m]; of rapids, else 0."""
+    shank: Floats
+    """(n,) how deep the shank is in it, when the station is reached [m]."""
+    holder: Floats
+    """(n,)"""
+
+
+@dataclass(frozen=True)
+class StockRange:
+    """Three stocks, each within the next; the same one three times where there is no uncertainty."""
+
+    smallest: Stock
+    """Smaller by the uncertainty all round."""
+    nominal: Stock
+    """As its figures are."""
+    largest: Stock
+    """Larger by the uncertainty."""
+    uncertainty: float = 0.0
+    """How far the surface of the stock may be from where it is said to be [m]."""
+    guessed: bool = False
+    """Whether it is the box around all cutting moves, for want of a better one: nothing is concluded from it."""
+
+    def copy(self) -> StockRange:
+        """One that is cut by itself."""
+        if self.smallest is self.nominal and self.largest is self.nominal:
+            stocks = (self.nominal.copy(),) * 3
+        else:
+            stocks = self.smallest.copy(), self.nominal.copy(), self.largest.copy()
+        return StockRange(*stocks, self.uncertainty, self.guessed)
+
+    def each(self, work: Callable[[Stock], Result]) -> list[Result]:
+        """What `work` returns of each of the three, in threads of their own: they have nothing in common."""
+        if self.smallest is self.nominal and self.largest is self.nominal:
+            return [work(self.nominal)] * 3
+        return Workers().each(work, [self.smallest, self.nominal, self.largest])
+
+    def meet(self, tool: ToolProfile, stations: Stations, rapid: bool, least: float) -> list[Met]:
+        """Cut all three along stations, and tell what the tool met.
+
+        What a shank or a holder is in by more than `least` [m] is removed at the end, so that a collision is told once;
+        of all three alike, so that each stays within the next.
+        """
+        met = self.each(lambda stock: meet(stock, tool, stations, rapid))
+        self.remove(tool.shank, stations, np.max([each.shank for each in met], axis=0) > least)
+        self.remove(tool.holder, stations, np.max([each.holder for each in met], axis=0) > least)
+        return met
+
+    def remove(self, solids: Solids, stations: Stations, where: Bools) -> None:
+        """Remove solids from all three, at those stations that are marked (n,)."""
+        if where.any():
+            colliding = stations.where(where)
+            for solid in solids:
+                self.each(lambda stock, solid=solid: stock.cut(ToolProfile(solid), colliding))  # type: ignore[misc]
+
+
+def meet(stock: Stock, tool: ToolProfile, stations: Stations, rapid: bool) -> Met:
+    """Cut a stock along stations, and tell what the tool met.
+
+    At a rapid nothing may be met at all, so that all is measured in the stock as it was before: the depth is that of
+    the whole collision. At feed what is before the shank changes from station to station.
+    """
+    if rapid:
+        depths = [stock.depth_in_material(solids, stations) for solids in ((tool.cutting,), tool.shank, tool.holder)]
+        return Met(stock.cut(tool, stations), *depths)
+    engagement = stock.cut(tool, stations)
+    shank, holder = engagement.penetration.T if len(engagement.penetration) else np.zeros((2, len(stations)))
+    return Met(engagement, np.zeros(len(stations)), shank, holder)

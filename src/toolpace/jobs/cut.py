@@ -1,0 +1,105 @@
+"""What programs cut, one after the other: the stock that one leaves is the stock of the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toolpace.jobs import TimedSteps, job
+
+if TYPE_CHECKING:
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import Stock, StockRange
+    from toolpace.machine.machine import Machine
+    from toolpace.motion.trajectory import Trajectory
+    from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.tolerances import Tolerances
+    from toolpace.programs.toolpath import ToolPath
+
+
+@dataclass(frozen=True)
+class CutRequest:
+    """What all programs of one call have in common."""
+
+    machine: Machine
+    options: ReadOptions
+    tip_tolerance: float | Tolerances
+    axis_tolerance: float | Tolerances
+    effort: str
+    feed: str | None
+    dialect: str | None
+    resolution: float | None
+    """Size of a cell [m]; None: the finest that `memory` has room for, and no finer than is of use."""
+    memory: float
+    """Most that the stock takes [bytes]."""
+
+
+@dataclass(frozen=True)
+class ProgramCut:
+    """One program, planned and cut."""
+
+    program: str
+    toolpath: ToolPath
+    trajectory: Trajectory
+    simulation: CutSimulation
+
+
+AfterOperation = Callable[[int, int, "Stock"], None]
+"""Takes the index of the program, that of the operation that has ended, and the stock then."""
+
+
+def cut_programs(
+    programs: Sequence[str],
+    request: CutRequest,
+    steps: TimedSteps,
+    after_operation: AfterOperation = lambda program, operation, stock: None,
+) -> list[ProgramCut]:
+    """Plan and cut each program with the stock that the one before left. Raises ToolpaceError."""
+    found: list[ProgramCut] = []
+    for k, program in enumerate(programs):
+        left = found[-1].simulation.left if found else None
+        found.append(cut_program(program, request, steps, left, partial(after_operation, k)))
+    return found
+
+
+def cut_program(
+    program: str,
+    request: CutRequest,
+    steps: TimedSteps,
+    left: StockRange | None,
+    after_operation: Callable[[int, Stock], None],
+) -> ProgramCut:
+    """Plan and cut one program; `left` is the stock that another one left, else it is the sheet's."""
+    from toolpace.cutting.simulation import simulate_cut
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
+
+    task = job.loaded(
+        job.Job(
+            program=Path(program),
+            machine=request.machine,
+            out=Path(),
+            tip_tolerance=request.tip_tolerance,
+            axis_tolerance=request.axis_tolerance,
+            effort=request.effort,
+            feed=request.feed,
+            dialect=request.dialect,
+            options=request.options,
+            report=False,
+        )
+    )
+    job.warm_up(steps)
+    toolpath = job.read_program(task, steps)
+    with with_cure_of_zero(toolpath.assumed):
+        planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
+    with steps.step("cutting") as step:
+        simulation = simulate_cut(
+            planned.trajectory, toolpath, request.options.setup,
+            resolution=request.resolution, memory=request.memory, stock=left,
+            after_operation=after_operation, progress=step,
+        )  # fmt: skip
+        places = sum(len(each.stations) for each in simulation.stretches)
+        step.note = f"{places} stations, cells of {simulation.resolution * 1e3:g} mm"
+    return ProgramCut(program, toolpath, planned.trajectory, simulation)

@@ -1,0 +1,1 @@
+"""What a simulation of a cut leaves on disk: figures, engagement, stock and a page."""
