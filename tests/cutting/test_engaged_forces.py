@@ -11,8 +11,10 @@ import toolpace as tp
 from tests.support.engagements import engagement, random_engagement, random_tool, shoulder
 from tests.support.turned_tool import turned_tool
 from toolpace.common.errors import UsageError
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.forces.engaged import EngagedForces, turning_of
+from toolpace.cutting.stock.dexels import DexelStock
+from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 
 K = tp.Coefficients(800e6, 300e6, 200e6, 15e3, 12e3, 3e3)
@@ -303,17 +305,15 @@ def test_arcs_all_around_and_above_the_flutes():
 
 def test_the_table_of_a_simulated_slot_takes_the_mean_of_a_slot():
     """The engagement that cutting a stock finds stands in for the arcs that are known."""
-    from toolpace.cutting.engagement.stations import Stations
-    from toolpace.cutting.stock.dexels import DexelStock
-    from toolpace.cutting.tool_profile import ToolProfile
-
     stock = DexelStock.box((0.0, -6e-3, -4e-3), (20e-3, 6e-3, 0.0), 0.25e-3)
     n = 9
     tip = np.stack([np.linspace(6e-3, 10e-3, n), np.zeros(n), np.full(n, -2e-3)], axis=1)
-    integers, zeros = np.zeros(n, dtype=np.int64), np.zeros(n)
-    stations = Stations(tip, np.tile([0.0, 0.0, 1.0], (n, 1)), zeros, integers, integers, np.zeros(n, dtype=bool))
-    table = stock.cut(ToolProfile.of(FLAT), stations)
-    assert isinstance(table, Engagement)
-    found = EngagedForces(table, FLAT, K, SPINDLE).loads(CHIP * 3 * SPINDLE).mean[-1]
+    integers, speed = np.zeros(n, dtype=np.int64), CHIP * 3 * SPINDLE
+    time = (tip[:, 0] - tip[0, 0]) / speed
+    stations = Stations(tip, np.tile([0.0, 0.0, 1.0], (n, 1)), time, integers, integers, np.zeros(n, dtype=bool))
+    forces = EngagedForces(stock.cut(ToolProfile.of(FLAT), stations), FLAT, K, SPINDLE)
+    found = forces.along(stations).mean[-1]
     right = loads(shoulder(2e-3, 0.0, np.pi)).mean[0]
     np.testing.assert_allclose(found, right, atol=0.03 * np.linalg.norm(right))
+    with pytest.raises(UsageError, match="8 stations and an engagement of 9"):
+        forces.along(stations.part(0, 8))

@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, integers, number, numbers
 from toolpace.common.errors import UsageError
+from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import Engagement
 from toolpace.cutting.forces.cutting_edge import CuttingEdge
 from toolpace.cutting.forces.tool_beam import ToolBeam
@@ -179,6 +180,22 @@ class EngagedForces:
             chip_area=peak[:, kernel.AREA],
             edge_length=peak[:, kernel.LENGTH],
         )
+
+    def along(self, stations: Stations) -> CutLoads:
+        """Loads at stations (n,), at the speed of the way to each and with its axis turning; none to the first.
+
+        Raises UsageError where the table is not of these stations.
+        """
+        if len(stations) != len(self.engagement.along):
+            raise UsageError(
+                f"cutting forces: {len(stations)} stations and an engagement of {len(self.engagement.along)}; "
+                "give those that it was found at"
+            )
+        duration = np.diff(stations.time, prepend=stations.time[:1])
+        moves = duration > 0.0
+        way = np.linalg.norm(np.diff(stations.tip, axis=0, prepend=stations.tip[:1]), axis=1)
+        speed = np.divide(way, duration, where=moves, out=np.zeros_like(way))
+        return self.loads(speed, turning_of(stations.axis, stations.time, self.engagement))
 
     def over_turn(
         self, stations: npt.ArrayLike, speed: npt.ArrayLike, turning: npt.ArrayLike | None = None
