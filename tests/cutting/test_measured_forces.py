@@ -1,6 +1,6 @@
 """Forces that were measured on a dynamometer and published, beside those of the model.
 
-Jianhui Li, ForceCalculation, github.com/leekunhwee/ForceCalculation (commit of 24 October 2019): slots with mills of two
+Jianhui Li, ForceCalculation, github.com/leekunhwee/ForceCalculation (of 24 October 2019): slots with mills of two
 teeth, 10 000 samples at 10 kHz each. The figures below are of the mean over both teeth (which takes the runout out):
 `20170822.mat` over the first 13 turns at 800 rpm, `General/Flat end milling/*.csv` over 100 turns at 6000 rpm.
 Of the author's comparison there are pictures only, so no deviation of his can be quoted: ours are stated.

@@ -164,7 +164,10 @@ CASES: dict[str, Case] = {
     ),
     "EngagedForces.over_turn: speed": Case(lambda x: ENGAGED.over_turn([0], x), LINES, "speed"),
     "EngagedForces.over_turn: turning": Case(
-        lambda x: ENGAGED.over_turn([0], LINES, x), f32(1e-3 * np.stack([LINES, LINES], axis=1)), "turning", optional=True
+        lambda x: ENGAGED.over_turn([0], LINES, x),
+        f32(1e-3 * np.stack([LINES, LINES], axis=1)),
+        "turning",
+        optional=True,
     ),
     "CuttingForces.feed_forward: chip": Case(FORCES.feed_forward, f32(1e-5 * LINES), "chip"),
     "Clamping.on: centre": Case(lambda x: tp.Clamping(0.5).on(M, x), f32([0.1, 0.2, 0.3]), "centre"),

@@ -54,11 +54,9 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
         z, r = 0.5 * (edges[1:] + edges[:-1]), 0.5 * (rim[1:] + rim[:-1])
         lag = slope * z
 
-        def reach(tooth, height, piece):
-            """Radius at which a tooth goes about the spindle's axis (n,), at heights in the plane of its pieces."""
-            shift = tool.runout * np.cos(sense * phase - offset[tooth] + lag)
-            by_piece = r + (height - z) * outwards / along + shift
-            return by_piece[piece] if by_piece.ndim == 1 else by_piece[np.arange(len(piece)), piece]
+        # of each tooth the radius at which it goes about the spindle's axis, and how much that grows with the height
+        reach = r + tool.runout * np.cos(sense * phase - offset[:, None] + lag)
+        growth = outwards / along
 
         for tooth in range(count):
             phi = theta[:, None] + offset[tooth] - lag
@@ -74,8 +72,8 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
                 ago = np.full_like(phi, gone)
                 for _ in range(4 if trochoidal else 1):
                     # what was at this height of the stock was higher up the tool while that was lower
-                    ahead, up = -velocity[0] * ago, -velocity[2] * ago
-                    far = reach(other, z - up[:, None] if trochoidal else z + velocity[2] * gone, piece)
+                    ahead, higher = -velocity[0] * ago, velocity[2] * ago
+                    far = reach[other, piece] + growth[piece] * higher
                     if not trochoidal:
                         distance = far + ahead * x
                         break
@@ -85,7 +83,7 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
                     distance = np.hypot(px, py)
                     ago = ago + sense * (np.arctan2(px * y - py * x, px * x + py * y)) / (2.0 * np.pi * spindle)
                 left = np.maximum(left, distance)
-            chip = (reach(tooth, z, piece) - left) * sine[piece]
+            chip = (reach[tooth, piece] - left) * sine[piece]
             cut = chip > 0.0
             h, width = np.where(cut, chip, 0.0), cut * length[piece]
             tangential = (k.tangential * h + k.tangential_edge) * width

@@ -39,8 +39,9 @@ LENGTH_TERM, ACROSS_TERMS = 9, 10
 imaginary part by 1, exp(i theta), exp(2 i theta)) of the force across, and six for each of its weights."""
 STRAIGHT = 1e-9
 """Lag over a point below which an edge counts as straight [rad]."""
-RAMP = math.sin(math.radians(1.0))
-"""Sine of the slope of a motion downwards from which the flat end cuts with the whole force of its edge."""
+RAMP = math.sin(math.radians(3.0))
+"""Sine of the slope of a motion downwards from which the flat end cuts with the whole force of its edge. Below it the
+force falls with the square of the slope: the end only rubs where a plane is rounded by a micrometre."""
 TURN = 2.0 * math.pi
 
 
@@ -370,7 +371,7 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
     if arcs.bottom[i] > 0.0 and motion[1] < 0.0:
         # that part of the flat end is taken as a sector ahead
         arc = 0.5 * math.pi - math.pi * arcs.bottom[i], 0.5 * math.pi + math.pi * arcs.bottom[i]
-        scale = min(1.0, -motion[1] / (RAMP * math.hypot(motion[0], motion[1])))
+        scale = min(1.0, (motion[1] / (RAMP * math.hypot(motion[0], motion[1]))) ** 2)
         for p in range(edge.first[flat], edge.first[flat + 1]):
             thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, scale, origin, chip, reach))
     alike = teeth.share.shape[1] == 1
