@@ -55,12 +55,18 @@ class StockRange:
     """As its figures are."""
     largest: Stock
     """Larger by the uncertainty."""
+    uncertainty: float = 0.0
+    """How far the surface of the stock may be from where it is said to be [m]."""
+    guessed: bool = False
+    """Whether it is the box around all cutting moves, for want of a better one: nothing is concluded from it."""
 
     def copy(self) -> StockRange:
         """One that is cut by itself."""
         if self.smallest is self.nominal and self.largest is self.nominal:
-            return StockRange(*(self.nominal.copy(),) * 3)
-        return StockRange(self.smallest.copy(), self.nominal.copy(), self.largest.copy())
+            stocks = (self.nominal.copy(),) * 3
+        else:
+            stocks = self.smallest.copy(), self.nominal.copy(), self.largest.copy()
+        return StockRange(*stocks, self.uncertainty, self.guessed)
 
     def each(self, work: Callable[[Stock], Result]) -> list[Result]:
         """What `work` returns of each of the three, in threads of their own: they have nothing in common."""
