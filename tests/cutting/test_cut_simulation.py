@@ -46,7 +46,7 @@ def way(points: list[Any], rapid: list[bool], speed: float = 10 * MM, operation:
     block[0], fast[0] = block[1], fast[1]
     return Stations(
         tips, np.tile([0.0, 0.0, 1.0], (len(tips), 1)), time, np.array(block), np.full(len(tips), operation),
-        np.array(fast),
+        np.array(fast), np.array(block) - 1,
     )  # fmt: skip
 
 

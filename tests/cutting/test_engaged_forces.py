@@ -310,7 +310,8 @@ def test_the_table_of_a_simulated_slot_takes_the_mean_of_a_slot():
     tip = np.stack([np.linspace(6e-3, 10e-3, n), np.zeros(n), np.full(n, -2e-3)], axis=1)
     integers, speed = np.zeros(n, dtype=np.int64), CHIP * 3 * SPINDLE
     time = (tip[:, 0] - tip[0, 0]) / speed
-    stations = Stations(tip, np.tile([0.0, 0.0, 1.0], (n, 1)), time, integers, integers, np.zeros(n, dtype=bool))
+    axis, rapid = np.tile([0.0, 0.0, 1.0], (n, 1)), np.zeros(n, dtype=bool)
+    stations = Stations(tip, axis, time, integers, integers, rapid, integers)
     forces = EngagedForces(stock.cut(ToolProfile.of(FLAT), stations), FLAT, K, SPINDLE)
     found = forces.along(stations).mean[-1]
     right = loads(shoulder(2e-3, 0.0, np.pi)).mean[0]

@@ -1,4 +1,4 @@
-"""Cuts with a known answer: a stock of closed form, a tool along it, and where each point of its surface is in material.
+"""Cuts with a known answer: a stock of closed form, a tool along it, and where its surface is in material.
 
 A scene is turned as a whole, so that no face of it is parallel to a ray.
 """
@@ -28,7 +28,7 @@ def stations(tip: Floats, axis: object = (0.0, 0.0, 1.0)) -> Stations:
     axes = np.array(np.broadcast_to(np.asarray(axis, float), (n, 3)))
     axes /= np.linalg.norm(axes, axis=1)[:, None]
     zeros = np.zeros(n, np.int64)
-    return Stations(np.ascontiguousarray(tip), axes, np.arange(n) * 1.0, zeros, zeros, np.zeros(n, np.bool_))
+    return Stations(np.ascontiguousarray(tip), axes, np.arange(n) * 1.0, zeros, zeros, np.zeros(n, np.bool_), zeros)
 
 
 def rotation(seed: int | None) -> Floats:

@@ -7,7 +7,7 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
-from toolpace.cli.commands import batch, compare, cut, export, follow, machines, setup, tolerance
+from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -31,6 +31,7 @@ Examples:
     toolpace setup part.ngc -m xyzac-trunnion       where to clamp the part for the least time
     toolpace tolerance part.ngc -m xyzac-trunnion   what a micrometre costs
     toolpace cut part.ngc -m xyzac-trunnion --setup setup.toml   what it cuts: air, material, collisions
+    toolpace feeds part.ngc -m xyzac-trunnion --setup s.toml -o new.ngc   the program with the feeds that its cut allows
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
@@ -240,6 +241,7 @@ def time_command(
 
 
 app.command(cut.cut_command, name="cut", help_epilogue="")
+app.command(feeds.feeds_command, name="feeds", help_epilogue="")
 
 
 app.command(tolerance.tolerance_command, name="tolerance", help_epilogue="")

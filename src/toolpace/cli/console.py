@@ -48,7 +48,7 @@ def cells(words: Iterable[str], style: str = "") -> list[Text]:
     return [Text(printable(word), style=style) for word in words]
 
 
-def print_json(records: Sequence[dict[str, object]]) -> None:
+def print_json(records: Sequence[dict[str, object]] | dict[str, object]) -> None:
     """Records as JSON on standard output."""
     import msgspec
 

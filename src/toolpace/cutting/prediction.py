@@ -96,7 +96,7 @@ def stations_of(toolpath: ToolPath, machine: Machine, cut: Ints, blend: float) -
     leads = np.concatenate([cell + 1, np.arange(1, len(way))])[order]
     part = np.concatenate([share, np.ones(len(way) - 1)])[order]
     origin = np.concatenate([[0], leads])
-    dense = _with_points(toolpath, machine, origin, np.concatenate([[1.0], part]))
+    dense = with_points(toolpath, machine, origin, np.concatenate([[1.0], part]))
     return Stations(dense, origin, np.cumsum(dense.way_length))
 
 
@@ -118,7 +118,7 @@ def _between(way: Floats, cut: Ints, blend: float) -> Floats:
     return found
 
 
-def _with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floats) -> ToolPath:
+def with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Floats) -> ToolPath:
     """A tool path of points a share (k,) of the way to its points `origin` (k,)."""
     own = share == 1.0
     before, u = np.maximum(origin - 1, 0), share[:, None]

@@ -43,6 +43,8 @@ class Stations:
     """(n,) index of the operation."""
     rapid: Bools
     """(n,)"""
+    point: Ints
+    """(n,) point of the tool path that the way leads to."""
 
     def __len__(self) -> int:
         return len(self.tip)
@@ -144,6 +146,7 @@ class _Ways:
             toolpath.block[entry],
             toolpath.operation[entry],
             toolpath.rapid[entry],
+            entry,
         )
 
     def apart(self, s: Floats, moves: Floats, toolpath: ToolPath, least: float) -> Ints:

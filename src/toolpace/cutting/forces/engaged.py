@@ -218,6 +218,23 @@ class EngagedForces:
         kernel.turns(constant, self._edge, self._teeth(slope=0.0), arcs, motion, chosen)
         return slope[:, :, :4], constant[:, :, :4]
 
+    def chips_together(self, speed: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Area of the chips [m2] and engaged edge [m] at one time, (n, 2) each: where the area is largest over a turn,
+        and where the edge is."""
+        from toolpace.kernels.cutting import forces as kernel
+
+        motion, teeth = self._motion(speed, None), self._teeth()
+        area, edge = np.empty((len(motion), 2)), np.empty((len(motion), 2))
+        for at in self._blocks(len(motion)):
+            turn = np.empty((at.stop - at.start, self.cells, self._channels))
+            kernel.turns(turn, self._edge, teeth, self._arcs(at), motion[at], np.arange(len(turn)))
+            both = turn[:, :, [kernel.AREA, kernel.LENGTH]]
+            row = np.arange(len(turn))
+            for k in range(2):
+                found = both[row, both[:, :, k].argmax(axis=1)]
+                area[at, k], edge[at, k] = found.T
+        return area, edge
+
     @property
     def alike(self) -> bool:
         """Whether all teeth cut the same: evenly spaced, without runout."""

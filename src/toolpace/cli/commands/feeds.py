@@ -1,0 +1,257 @@
+"""The command `feeds`: a program with the feeds that its cut allows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.text import Text
+
+from toolpace.cli import options
+from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
+from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
+from toolpace.common.errors import UsageError, did_you_mean, printable
+from toolpace.common.units import format_time, parse_feed, parse_length
+from toolpace.common.value_objects import counted
+
+if TYPE_CHECKING:
+    from toolpace.controls.timing.program_time import ProgramTime
+    from toolpace.cutting.feeds.feed_plan import FeedRules
+    from toolpace.cutting.feeds.limits import CutLimits
+    from toolpace.jobs.feeds import NewFeeds
+    from toolpace.machine.cutting_tool import Coefficients
+
+UNITS = {
+    "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
+    "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
+    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "feed_marks": ("um", 1e-6),
+}  # fmt: skip
+"""Limits of the cut, and the unit in which each is given."""
+SHOWN = 8
+"""Teachers and overloads that are listed."""
+Way = Annotated[
+    str,
+    Parameter(
+        name="--feeds",
+        help="air: faster only where nothing can be cut. learned: as fast as the same tool is loaded elsewhere in the "
+        "program. limits: as the limits of --limit allow.",
+    ),
+]
+Limits = Annotated[
+    list[str],
+    Parameter(
+        name="--limit",
+        help="A limit of the cut, for all tools or for one: chip=0.08mm, 3:force=400N; chip, feed_per_tooth [mm], "
+        "removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], deflection, "
+        "surface_deflection, feed_marks [um]. Repeat it.",
+        negative=(),
+        consume_multiple=False,
+    ),
+]
+
+
+Out = Annotated[
+    str | None, Parameter(name=["--out", "-o"], help="File for the program with new feeds; never the input.")
+]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Allowed:
+    """What feeds may become."""
+
+    feeds: Way = "air"
+    limit: Limits | None = None
+    max_deflection: Annotated[
+        str | None, Parameter(help="Most deflection that is left on the surface: 20um; as --limit surface_deflection.")
+    ] = None
+    material: Annotated[
+        str | None, Parameter(help="What is cut, for forces: Al7075-T6, or a file of coefficients (.toml).")
+    ] = None
+    air_feed: Annotated[
+        str | None, Parameter(help="Feed in air: 6000mm/min. By default the highest of the program.")
+    ] = None
+    margin: Annotated[
+        str, Parameter(help="How far before and behind the material the feed of the cut holds: 1mm.")
+    ] = "1mm"
+    raise_at_most: Annotated[
+        float | None, Parameter(help="Factor by which a feed is raised at most where something may be cut: 2.")
+    ] = None
+    lower: Annotated[
+        bool, Parameter(negative=(), help="Lower feeds too where they are above what is allowed (always with limits).")
+    ] = False
+    finishing: Annotated[
+        bool, Parameter(negative=(), help="Raise feeds, too, where the tool makes a surface that stays.")
+    ] = False
+    leave: Annotated[
+        list[str] | None,
+        Parameter(help="Operation whose feeds stay, by name. Repeat it.", negative=(), consume_multiple=False),
+    ] = None
+
+    def rules(self) -> FeedRules:
+        """The same, checked. Raises UsageError."""
+        from toolpace.cutting.feeds.feed_plan import FeedRules
+        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+
+        most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
+        limits = cut_limits([*(self.limit or []), *most])
+        if self.feeds == "limits" and not limits:
+            raise UsageError("--feeds limits: no limit is given; add one, such as --limit chip=0.08mm")
+        if limits and self.feeds != "limits":
+            raise UsageError(f"--limit goes with --feeds limits, and the feeds are '{self.feeds}'")
+        return FeedRules(
+            way=self.feeds,  # type: ignore[arg-type]
+            air_feed=None if self.air_feed is None else parse_feed(self.air_feed),
+            steps=FeedSteps(margin=parse_length(self.margin), ratio=1.05, shortest=2e-3),
+            limits=limits,
+            materials={} if self.material is None else {"": coefficients_of(self.material)},
+            raise_at_most=math.inf if self.raise_at_most is None else self.raise_at_most,
+            lower=self.lower,
+            finishing=self.finishing,
+            left_alone=frozenset(self.leave or []),
+        )
+
+
+AS_IN_AIR = Allowed()
+
+
+def feeds_command(
+    program: options.Program,
+    /,
+    *,
+    machine: options.MachineName = None,
+    allowed: Allowed = AS_IN_AIR,
+    whole_blocks: Annotated[bool, Parameter(negative=(), help="Divide no block.")] = False,
+    out: Out = None,
+    resolution: Resolution = None,
+    memory: Memory = MEMORY,
+    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    effort: options.Effort = "normal",
+    tool_length: options.ToolLength = None,
+    dialect: options.Dialect = None,
+    json: options.Json = False,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
+    """Write a program anew with the feeds that its cut allows.
+
+    The stock and the tools are those of the set-up sheet. The program is planned, the
+    stock is cut along the motion, and each block gets the feed that air, the program's
+    own heaviest cut, or limits allow. Text and path stay; long straight blocks may be
+    divided. The times before and after are those of the control's model. On a guessed
+    stock no feed is raised.
+
+    For example:
+
+        toolpace feeds part.ngc -m xyzac-trunnion --setup setup.toml --out part-air.ngc
+        toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds learned --raise-at-most 2 -o new.ngc
+        toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds limits --limit chip=0.08mm -o new.ngc
+    """
+    from toolpace.cli import arguments
+    from toolpace.common.files import whole_file
+    from toolpace.jobs.cut import CutRequest
+    from toolpace.jobs.feeds import feeds_record, new_feeds
+
+    if out is not None and Path(out).exists() and Path(program).exists() and Path(out).samefile(program):
+        raise UsageError(f"--out {out}: that is the program itself, which is never written over; name another file")
+    tip, axis = arguments.tolerances(tolerances)
+    on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
+    rules = allowed.rules()
+    request = CutRequest(
+        machine=on, options=how, tip_tolerance=tip, axis_tolerance=axis, effort=arguments.effort_named(effort),
+        feed=None, dialect=dialect,
+        resolution=None if resolution is None else cell(resolution), memory=size(memory),
+    )  # fmt: skip
+    console = new_console()
+    steps = Steps(Console(stderr=True, highlight=False, markup=False) if json else console)
+    found = new_feeds(program, request, rules, not whole_blocks, steps)
+    if out is not None:
+        with whole_file(out) as temporary:
+            temporary.write_bytes(found.written.data)
+    if json:
+        print_json(feeds_record(found, on.name))
+    else:
+        show_feeds(console, found)
+        if out is not None:
+            console.print(f"\nwritten   {printable(out)}", soft_wrap=True)
+    return 0
+
+
+def coefficients_of(material: str) -> Coefficients:
+    """Those of a material by its name, or in a file. Raises UsageError."""
+    from toolpace.cutting.forces.material import Material
+
+    return Material.load(material).coefficients
+
+
+def cut_limits(words: list[str]) -> dict[str, CutLimits]:
+    """Limits by tool, from words such as "force=400N" and "3:chip=0.1mm". Raises UsageError."""
+    from toolpace.cutting.feeds.limits import CutLimits
+
+    found: dict[str, dict[str, float]] = {}
+    for word in words:
+        tool, _, rest = word.rpartition(":")
+        name, _, value = rest.partition("=")
+        if name not in UNITS:
+            raise UsageError(f"--limit {word[:60]}: {name[:40]!r} is no limit; {did_you_mean(name, UNITS)}")
+        unit, scale = UNITS[name]
+        try:
+            figure = float(value.strip().removesuffix(unit)) * scale
+        except ValueError:
+            raise UsageError(f"--limit {word[:60]}: give {name} in {unit}, like {name}=20{unit}") from None
+        found.setdefault(tool, {})[name] = figure
+    return {tool: CutLimits(**limits) for tool, limits in found.items()}
+
+
+def show_feeds(console: Console, found: NewFeeds) -> None:
+    """Times before and after, by operation, and what was left."""
+    saved = 1.0 - found.after.total / found.before.total if found.before.total > 0.0 else 0.0
+    console.print()
+    for note in found.plan.notes:
+        console.print(Text(printable(note)), soft_wrap=True)
+    console.print(
+        f"{counted(found.written.changed, 'block')} with another feed, {found.written.divided} divided; by the model "
+        f"{found.model} {_with_range(found.before)} becomes {_with_range(found.after)}, {100.0 * saved:.1f} % less",
+        soft_wrap=True,
+    )
+    table = new_table(["operation", "tool", "before", "after", "less"], left=("operation", "tool"))
+    for old, new in zip(found.before.parts, found.after.parts):
+        less = 1.0 - new.time / old.time if old.time > 0.0 else 0.0
+        times = format_time(old.time), format_time(new.time)
+        words = [old.name or "-", old.tool or "-", *times, f"{100.0 * less:.1f} %"]
+        table.add_row(*cells(words))
+    console.print(table)
+    _show_loads(console, found)
+
+
+def _show_loads(console: Console, found: NewFeeds) -> None:
+    scales = {"chip": ("chip", 1e3, "mm"), "removal_rate": ("removal", 6e7, "cm3/min"), "force": ("force", 1.0, "N")}
+    scales |= {"torque": ("torque", 1.0, "Nm"), "power": ("power", 1.0, "W"), "deflection": ("deflection", 1e6, "um")}
+    if found.plan.largest:
+        table = new_table(["tool", "largest", "before", "after"], left=("tool", "largest"))
+        for load in found.plan.largest:
+            name, scale, unit = scales[load.kind]
+            words = [f"{scale * each:.3g} {unit}" for each in (load.before, load.after)]
+            table.add_row(*cells([load.tool or "-", name, *words]))
+        console.print(table)
+    for teacher in found.plan.teachers[:SHOWN]:
+        console.print(
+            f"teacher: line {teacher.line}, tool {printable(teacher.tool)}: chip {1e3 * teacher.chip:.3g} mm, "
+            f"area {1e6 * teacher.area:.3g} mm2, edge {1e3 * teacher.edge:.3g} mm",
+            soft_wrap=True,
+        )
+    for over in found.plan.overloads[:SHOWN]:
+        console.print(
+            f"line {over.line}, tool {printable(over.tool)}: the program's feed is {over.share:.3g} times what "
+            f"{over.limit} allows",
+            soft_wrap=True,
+        )
+
+
+def _with_range(time: ProgramTime) -> str:
+    if time.range is None or not time.range.most > time.range.least:
+        return format_time(time.total)
+    return f"{format_time(time.total)} ({format_time(time.range.least)} to {format_time(time.range.most)})"

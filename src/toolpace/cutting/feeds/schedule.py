@@ -1,0 +1,141 @@
+"""Feeds along a program: from the most speed at each station to a tool path with few changes of feed.
+
+    the least over the margin before and behind each station        what is entered, and left, late
+    rounded down to the next step                                   few values
+    raised stretches that are shorter than the shortest             taken off
+    points put into the program where the feed changes
+
+Nothing of that is above the speed that a station allows, nor above it within the margin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.cutting.engagement.stations import Stations
+from toolpace.cutting.prediction import with_points
+from toolpace.machine.machine import Machine
+from toolpace.programs.toolpath import ToolPath
+
+AT_A_POINT = 1e-6
+"""Share of a way from its end within which a change of feed is at the end itself."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How coarse feeds are."""
+
+    margin: float = 1e-3
+    """How far before and behind a place what it allows holds [m]."""
+    ratio: float = 1.005
+    """Between two values of the feed that are next to each other."""
+    shortest: float = 1e-3
+    """Of the stretches on which the feed is raised [m]."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """n stations at feed as places of the program, in its order."""
+
+    x: Floats
+    """(n,) the point that the way leads to, less what is left of the way, as a share of it."""
+    way: Floats
+    """(n,) way of the tip up to each, over all of these stations [m]."""
+
+    @classmethod
+    def of(cls, toolpath: ToolPath, stations: Stations) -> Places:
+        """Those of stations along a path that is within its tolerance of the program."""
+        point, before = stations.point, np.maximum(stations.point - 1, 0)
+        move = toolpath.tip[point] - toolpath.tip[before]
+        square = np.einsum("nc,nc->n", move, move)
+        along = np.einsum("nc,nc->n", stations.tip - toolpath.tip[before], move)
+        # where the tip stands the axis turns: the share of its turn is that of the time, which is told by the order
+        share = np.where(square > 0.0, along / np.where(square > 0.0, square, 1.0), 1.0)
+        x = point - 1.0 + np.clip(share, 0.0, 1.0)
+        # the smooth path cuts corners: where the next way begins, one ends
+        ends = np.append(np.diff(point) != 0, True)
+        x[ends] = point[ends]
+        x[0] = point[min(1, len(x) - 1)] - 1.0
+        steps = np.linalg.norm(np.diff(stations.tip, axis=0, prepend=stations.tip[:1]), axis=1)
+        return cls(np.maximum.accumulate(x), np.cumsum(steps))
+
+
+def stepped(places: Places, speed: Floats, steps: Steps) -> Floats:
+    """(n,) feeds in steps on the way to each station, nowhere above the `speed` (n,) of a station within the margin."""
+    least = over_window(places.way, speed, steps.margin, np.minimum)
+    # counted from the highest, which so is kept as it is
+    top = float(speed.max(initial=1e-12))
+    level = np.floor(np.log(np.maximum(least, 1e-12) / top) / np.log(steps.ratio) + 1e-9)
+    # a short stretch of a higher level is lowered to those beside it
+    half = 0.5 * steps.shortest
+    level = over_window(places.way, over_window(places.way, level, half, np.minimum), half, np.maximum)
+    return np.minimum(top * steps.ratio**level, least)
+
+
+def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) -> Floats:
+    """(n,) the least or the largest value of the ways that come within `reach` of each; `way` (n,) ascends.
+
+    Entry i of `values` holds on the way from station i - 1 to i.
+    """
+    begin = np.concatenate([way[:1], way[:-1]])
+    low = np.searchsorted(way, begin - reach, side="left")
+    high = np.searchsorted(begin, way + reach, side="right")
+    low = np.minimum(low, np.arange(len(way)))
+    high = np.maximum(high, np.arange(len(way)) + 1)
+    edges = np.stack([low, high], axis=1).ravel()
+    found: Floats = extreme.reduceat(np.append(values, values[-1:]), edges)[::2]
+    return found
+
+
+def with_feeds(toolpath: ToolPath, machine: Machine, places: list[Places], feeds: list[Floats]) -> ToolPath:
+    """The program with other feeds: on the way to each station of each stretch that of `feeds`.
+
+    What no station speaks of keeps its own; times of blocks (G93) give way where the new feed is another than what they
+    come to.
+    """
+    x, values = ends_of_pieces(places, feeds)
+    if not len(x):
+        return toolpath
+    inserted = x[np.abs(x - np.round(x)) > AT_A_POINT]
+    inserted = inserted[inserted < len(toolpath) - 1]
+    at = np.concatenate([np.arange(len(toolpath), dtype=np.float64), inserted])
+    at = at[np.argsort(at, kind="stable")]
+    origin: Ints = np.ceil(at - AT_A_POINT).astype(np.int64)
+    share = np.where(np.abs(at - origin) <= AT_A_POINT, 1.0, at - (origin - 1.0))
+    dense = with_points(toolpath, machine, origin, share) if len(inserted) else toolpath
+    middle = np.concatenate([[0.0], 0.5 * (at[1:] + at[:-1])])
+    piece = np.searchsorted(x, middle, side="left")
+    feed = np.append(values, np.nan)[np.minimum(piece, len(values))]
+    known = np.isfinite(feed) & ~dense.rapid
+    own = own_feeds(dense)
+    changed = known & (np.abs(feed / np.where(known, own, 1.0) - 1.0) > 1e-9)
+    return replace(
+        dense,
+        feed=np.where(changed, feed, dense.feed),
+        least_time=np.where(changed, 0.0, dense.least_time),
+    )
+
+
+def ends_of_pieces(places: list[Places], feeds: list[Floats]) -> tuple[Floats, Floats]:
+    """Where pieces of one feed end (k,), as places of the program, and their feeds (k,); nan where it stays."""
+    x: list[Floats] = []
+    values: list[Floats] = []
+    for place, feed in zip(places, feeds):
+        ends = np.flatnonzero(np.append(np.diff(feed[1:]) != 0.0, True)) + 1
+        # up to the stretch the program's own feed holds
+        x += [place.x[:1], place.x[ends]]
+        values += [np.array([np.nan]), feed[ends]]
+    ends_at, of = (np.concatenate([np.zeros(0), *each]) for each in (x, values))
+    order = np.argsort(ends_at, kind="stable")
+    return ends_at[order], of[order]
+
+
+def own_feeds(toolpath: ToolPath) -> Floats:
+    """(n,) most speed on the way to each point that the program allows, by its feed or the time of its block [m/s]."""
+    way, least = toolpath.way_length, toolpath.least_time
+    timed = (least > 0.0) & (way > 0.0)
+    found: Floats = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, least, 1.0)), toolpath.feed)
+    return found

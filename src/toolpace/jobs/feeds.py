@@ -1,0 +1,137 @@
+"""A program with the feeds that its cut allows, and what its control makes of them.
+
+plan the program, and cut the stock along the motion
+the speed that its control reaches in each block      by its model
+feeds by air, teachers or limits                      FeedPlan
+written into the program, and read back
+the time before and after                             by the control's model, with its range
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.common.arrays import Floats
+from toolpace.jobs import TimedSteps
+from toolpace.jobs.cut import CutRequest, cut_program
+
+if TYPE_CHECKING:
+    from toolpace.controls.export.cut_feeds import FeedProgram
+    from toolpace.controls.timing.figures import ControlFigures
+    from toolpace.controls.timing.program_time import ProgramTime
+    from toolpace.cutting.feeds.feed_plan import FeedPlan, FeedRules
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.machine.machine import Machine
+    from toolpace.programs.reading import ReadOptions, Source
+    from toolpace.programs.toolpath import ToolPath
+
+
+@dataclass(frozen=True)
+class NewFeeds:
+    """What was made of a program."""
+
+    program: str
+    controller: str
+    """Empty for cutter-location data."""
+    model: str
+    simulation: CutSimulation
+    plan: FeedPlan
+    written: FeedProgram
+    before: ProgramTime
+    after: ProgramTime
+
+
+def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool, steps: TimedSteps) -> NewFeeds:
+    """New feeds of one program. Raises ToolpaceError."""
+    from toolpace.controls.export.cut_feeds import with_cut_feeds
+    from toolpace.controls.timing.program_time import figures_for
+    from toolpace.cutting.feeds.feed_plan import plan_feeds
+    from toolpace.programs.reading import Source
+    from toolpace.programs.reading.languages import with_controller
+
+    source = Source.load(program)
+    options, found = with_controller(source, request.dialect, request.options)
+    figures = figures_for(options, None)
+    cut = cut_program(program, request, steps, None, lambda operation, stock: None)
+    with steps.step("time before"):
+        before = control_time(source, request, options, figures)
+        reached = speeds_reached(cut.toolpath, request.machine, figures)
+    tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
+    with steps.step("feeds") as step:
+        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached)
+        written = with_cut_feeds(
+            source, request.machine, request.dialect, options, cut.toolpath, plan, divide
+        )
+        step.note = f"{written.changed} blocks with another feed"
+    with steps.step("time after"):
+        after = control_time(Source.from_bytes(written.data, source.name), request, options, figures)
+    name = found.controller.name if found.controller is not None else ""
+    return NewFeeds(program, name, figures.model, cut.simulation, plan, written, before, after)
+
+
+def control_time(
+    source: Source, request: CutRequest, options: ReadOptions, figures: ControlFigures
+) -> ProgramTime:
+    """What the control takes for a program, with its range; of a control that has no model what its feeds come to."""
+    from toolpace.controls.timing.program_time import moves_of, time_of_moves, with_range
+
+    moves = moves_of(source, request.machine, options, request.feed, request.dialect)
+    time = time_of_moves(moves, request.machine, figures, options.setup.tool_change)
+    return with_range(time, moves, request.machine, figures)
+
+
+def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures) -> Floats:
+    """(n,) mean speed of the tip on the way to each point by the model of the control [m/s]; 0 where it stands."""
+    from toolpace.controls.timing.program_time import moves_of_points, time_of_moves
+
+    times = time_of_moves(moves_of_points(toolpath, machine), machine, figures).times - toolpath.dwell
+    speeds: Floats = np.divide(toolpath.way_length, times, out=np.zeros(len(times)), where=times > 0.0)
+    return np.minimum(speeds, np.where(np.isfinite(toolpath.feed), toolpath.feed, speeds))
+
+
+def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
+    """What `feeds --json` prints of a program."""
+    scales = {"chip": ("chip_mm", 1e3), "removal_rate": ("removal_mm3_s", 1e9), "force": ("force_N", 1.0)}
+    scales |= {"torque": ("torque_Nm", 1.0), "power": ("power_W", 1.0), "deflection": ("deflection_mm", 1e3)}
+    largest: dict[str, dict[str, Mapping[str, float]]] = {}
+    for load in found.plan.largest:
+        key, scale = scales[load.kind]
+        largest.setdefault(load.tool, {})[key] = {"before": scale * load.before, "after": scale * load.after}
+    return {
+        "program": found.program,
+        "machine": machine,
+        "controller": found.controller,
+        "model": found.model,
+        "guessed_stock": found.simulation.guessed,
+        "before_s": found.before.total,
+        "after_s": found.after.total,
+        "before_range_s": _range(found.before),
+        "after_range_s": _range(found.after),
+        "operations": [
+            {"name": old.name, "tool": old.tool, "before_s": old.time, "after_s": new.time}
+            for old, new in zip(found.before.parts, found.after.parts)
+        ],
+        "blocks_changed": found.written.changed,
+        "blocks_divided": found.written.divided,
+        "largest": largest,
+        "teachers": [
+            {
+                "line": each.line, "operation": each.operation, "tool": each.tool,
+                "chip_mm": 1e3 * each.chip, "area_mm2": 1e6 * each.area, "edge_mm": 1e3 * each.edge,
+            }
+            for each in found.plan.teachers
+        ],
+        "overloads": [
+            {"line": each.line, "tool": each.tool, "limit": each.limit, "share": each.share}
+            for each in found.plan.overloads
+        ],
+        "notes": list(found.plan.notes),
+    }  # fmt: skip
+
+
+def _range(time: ProgramTime) -> list[float] | None:
+    return None if time.range is None else [time.range.least, time.range.most]

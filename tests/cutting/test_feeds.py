@@ -1,0 +1,256 @@
+"""Feeds by what is cut: never faster where something may be cut than what allows it, and written so that they read."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from toolpace.cli import main
+from toolpace.common.errors import UsageError
+from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
+from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.feeds.feed_plan import FeedRules, plan_feeds
+from toolpace.cutting.feeds.learned import learned_speeds, teachers
+from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
+from toolpace.cutting.feeds.schedule import Places, Steps, over_window, own_feeds, stepped, with_feeds
+from toolpace.cutting.forces.engaged import EngagedForces
+from toolpace.machine.cutting_tool import Coefficients
+from toolpace.programs.reading import ReadOptions, Source
+from toolpace.programs.reading.setup_file import setup_of_text
+from toolpace.programs.tool_figures import ToolFigures
+
+TOOL = ToolFigures("flat", 10e-3, flute_length=20e-3, teeth=3, helix=math.radians(30.0), stick_out=40e-3,
+                   material="carbide", spindle_speed=100.0)  # fmt: skip
+SHEET = """
+[stock]
+box = [[0, -20, -20], [60, 20, 0]]
+uncertainty = 0.5
+[tools.1]
+kind = "flat"
+diameter = 10
+flute_length = 20
+teeth = 3
+stick_out = 40
+material = "carbide"
+spindle_speed = 6000
+"""
+PROGRAM = """G21 G90 G54 G17
+T1 M6
+G43 H1
+S6000 M3
+G0 X-30 Y0 Z20
+G0 Z-2
+G1 X90 F600
+G0 Z20
+G0 X-30 Y14
+G0 Z-2
+G1 X90
+G0 Z20
+M30
+"""
+
+
+def shoulder(width, depth, n=40, slices=8):
+    """A milled shoulder of a width (n,) and a depth as engagement: up milling, chips from nothing."""
+    width = np.broadcast_to(width, n)
+    height = depth / slices
+    entry, leave = np.zeros(n), np.arccos(1.0 - 2.0 * width / TOOL.diameter)
+    none = np.zeros(n)
+    return Engagement(
+        slice_height=height, feed_direction=np.tile([1.0, 0.0, 0.0], (n, 1)), across=np.ones(n), along=none,
+        first_arc=np.arange(n + 1) * slices, slice=np.tile(np.arange(slices), n), entry=np.repeat(entry, slices),
+        exit=np.repeat(leave, slices), bottom=none, removed=np.full(n, 1e-12), width=width.copy(),
+        depth=np.full(n, depth),
+    )  # fmt: skip
+
+
+def places(n, step=0.2e-3):
+    return Places(np.linspace(0.0, 1.0, n), np.arange(n) * step)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_root_is_found_from_below(seed):
+    rng = np.random.default_rng(seed)
+    n = 50
+    slope, at_zero = rng.uniform(0.1, 5.0, (4, n)), rng.uniform(-0.5, 1.1, (4, n))
+    quadratic = rng.uniform(0.0, 3.0, n)
+
+    def share(speed):
+        return np.maximum((slope * speed + at_zero).max(axis=0), quadratic * speed**2)
+
+    low, high = np.full(n, 1e-3), np.full(n, rng.uniform(0.2, 3.0))
+    found, least = root_below(share, low, high)
+    exceeded = share(low) >= 1.0
+    assert (found[exceeded] == 1e-3).all() and (least[exceeded] >= 1.0).all()
+    assert (share(found)[~exceeded] <= 1.0 + 1e-12).all()
+    closer = np.minimum(found * (1.0 + 2.0 * CLOSE), high)
+    assert ((share(closer) >= 1.0) | (closer == high))[~exceeded].all()
+
+
+def test_windows_are_those_of_the_ways_that_reach_in():
+    rng = np.random.default_rng(3)
+    way = np.cumsum(rng.uniform(0.0, 1.0, 60))
+    values = rng.normal(size=60)
+    found = over_window(way, values, 1.5, np.minimum)
+    begin = np.concatenate([way[:1], way[:-1]])
+    for i in range(60):
+        near = (way >= begin[i] - 1.5) & (begin <= way[i] + 1.5)
+        near[i] = True
+        assert found[i] == values[near].min()
+
+
+def test_steps_are_below_the_speed_and_few():
+    rng = np.random.default_rng(4)
+    speed = np.exp(rng.normal(size=400).cumsum() * 0.1)
+    found = stepped(places(400), speed, Steps(margin=1e-3, ratio=1.05, shortest=2e-3))
+    least = over_window(places(400).way, speed, 1e-3, np.minimum)
+    assert (found <= least + 1e-12).all()
+    assert (np.diff(found) != 0.0).sum() < 80
+    same = stepped(places(400), np.full(400, 0.02), Steps())
+    assert (same == 0.02).all()
+
+
+@pytest.mark.parametrize("name, share", [("chip", "chip"), ("force", "resultant"), ("torque", "torque")])
+def test_a_load_is_within_its_limit_and_close_to_it(name, share):
+    engagement = shoulder(np.linspace(1e-3, 9e-3, 40), 5e-3)
+    forces = EngagedForces(engagement, TOOL, Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3))
+    usual = float(np.median(getattr(forces.loads(np.full(40, 0.03)), share)))
+    found = speeds_within(forces, places(40), CutLimits(**{name: usual}), 0.2)
+    at = getattr(forces.loads(found.speed), share)
+    assert (at <= usual * (1.0 + 1e-9)).all()
+    held = found.holds == 0
+    assert held.any() and (at[held] >= usual * (1.0 - 1e-3)).all()
+    assert (found.speed[~held] == 0.2).all()
+
+
+def test_a_limit_that_the_edges_alone_exceed_is_told():
+    forces = EngagedForces(shoulder(5e-3, 5e-3), TOOL, Coefficients(800e6, 250e6, 0.0, 15e3, 20e3))
+    found = speeds_within(forces, places(40), CutLimits(force=1.0), 0.2)
+    assert (found.exceeded > 1.0).all()
+
+
+def test_limits_that_make_no_sense():
+    with pytest.raises(UsageError, match="limit of the cut: chip"):
+        CutLimits(chip=-1.0)
+    with pytest.raises(UsageError, match="stick_out"):
+        bare = ToolFigures("flat", 10e-3, teeth=2, spindle_speed=100.0)
+        forces = EngagedForces(shoulder(5e-3, 5e-3), bare, Coefficients(1e9, 1e9))
+        speeds_within(forces, places(40), CutLimits(stress=1e9), 0.1)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_no_force_is_above_the_teachers_whatever_the_material(seed):
+    """Torque is F = Kc A + Ke L times the radius on a cylinder: its peak at the learned speeds, for random Kc, Ke."""
+    rng = np.random.default_rng(seed)
+    n = 60
+    cuts = [shoulder(rng.uniform(least, 10e-3, n), rng.uniform(1e-3, 6e-3), n) for least in (1e-3, 0.2e-3)]
+    teacher, learner = (EngagedForces(each, TOOL, Coefficients(1e9, 1e9)) for each in cuts)
+    speed = np.full(n, 0.03)
+    best = teachers(teacher, speed, places(n).way, np.ones(n, dtype=bool))
+    assert len(best) > 0
+    allowed, which = learned_speeds(learner, best, speed)
+    for _ in range(4):
+        material = Coefficients(rng.uniform(0.0, 2e9), 0.0, 0.0, rng.uniform(0.0, 5e4), 0.0)
+        most = EngagedForces(teacher.engagement, TOOL, material).loads(speed).torque.max()
+        taken = EngagedForces(learner.engagement, TOOL, material).loads(np.maximum(allowed, 1e-9)).torque
+        assert (taken[allowed > 0.0] <= most * (1.0 + 1e-6)).all()
+        chip = learner.loads(np.maximum(allowed, 1e-9)).chip
+        assert (chip[allowed > 0.0] <= teacher.loads(speed).chip.max() * (1.0 + 1e-9)).all()
+    assert ((which >= 0) == (allowed > 0.0)).all()
+
+
+@pytest.fixture(scope="module")
+def cut():
+    machine = tp.Machine.load("xyzac-trunnion")
+    setup = setup_of_text(SHEET)
+    toolpath = tp.read_text(PROGRAM, machine, setup=setup)
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
+    return machine, setup, toolpath, simulation
+
+
+def test_in_air_it_is_faster_and_the_program_s_feed_holds_wherever_it_may_cut(cut):
+    machine, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1))
+    new = with_feeds(toolpath, machine, list(plan.places), list(plan.feeds))
+    own = own_feeds(new)
+    begin, end = new.way_start[:, 0], new.tip[:, 0]
+    feeding = ~new.rapid & (np.abs(end - begin) > 0.0)
+    # the tool is 10 mm wide, the stock may begin half a millimetre early, and the margin is 1 mm
+    touching = feeding & (np.maximum(begin, end) > -5e-3 - 0.5e-3 - 0.9e-3) & (np.minimum(begin, end) < 60.5e-3)
+    assert (own[touching] == 0.01).all()
+    assert (own[feeding] > 0.09).sum() == 4
+    assert np.isclose(new.tip[feeding][-1, 0], 0.09)
+    before, after = plan.operations[0].before, plan.operations[0].after
+    assert after < 0.75 * before
+
+
+def test_on_a_guess_no_feed_is_raised(cut):
+    machine, _, toolpath, _ = cut
+    sheet = setup_of_text(SHEET[SHEET.index("[tools.1]") :])
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, sheet, resolution=1e-3)
+    tools = [sheet.figures_of(each.tool) for each in toolpath.operations]
+    feeds = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1))
+    assert all((each[1:] == 0.01).all() for each in feeds.feeds)
+    assert any("[stock]" in note for note in feeds.notes)
+
+
+DIALECTS = {
+    "linuxcnc": PROGRAM,
+    "sinumerik": PROGRAM.replace("T1 M6\nG43 H1\n", "T1 D1 M6\n").replace("G21", "G71"),
+    "heidenhain": "BEGIN PGM A MM\nTOOL CALL 1 Z S6000\nL X-30 Y0 Z20 FMAX M3\nL Z-2 FMAX\nL X-20 F600\nL X90\n"
+    "L Z20 FMAX\nEND PGM A MM\n",
+}
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_the_program_with_new_feeds_reads_back(cut, name):
+    machine, setup = cut[0], cut[1]
+    options = ReadOptions(controller=tp.Controller.load(name), setup=setup)
+    source = Source.from_bytes(DIALECTS[name].encode(), f"part.{name}")
+    toolpath = tp.read_text(DIALECTS[name], machine, controller=name, setup=setup)
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    feeds = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1, steps=Steps(ratio=1.05)))
+    written = with_cut_feeds(source, machine, None, options, toolpath, feeds)
+    again = written.toolpath
+    if name == "heidenhain":
+        # its blocks are not divided: the feed of the cut holds in the whole block
+        assert (written.changed, written.divided) == (1, 0)
+        assert [round(60e3 * each) for each in again.feed[~again.rapid]] == [6000, 600]
+        return
+    assert written.divided >= 1
+    feeding = ~again.rapid
+    assert {round(60e3 * each) for each in again.feed[feeding][1:]} >= {600}
+    assert again.feed[feeding].max() > 0.09
+    assert np.allclose(again.tip[-1], toolpath.tip[-1])
+
+
+def test_feeds_are_rounded_down():
+    values = (1234.9, 600.0, 599.9999999999, 0.123456, 98765.0)
+    assert [rounded_down(each) for each in values] == ["1230", "600", "600", "0.123", "98700"]
+
+
+def test_the_command_writes_the_program_and_tells_times(tmp_path, capsys):
+    program, sheet, new = tmp_path / "part.ngc", tmp_path / "sheet.toml", tmp_path / "new.ngc"
+    program.write_text(PROGRAM)
+    sheet.write_text(SHEET)
+    words = [str(program), "-m", "xyzac-trunnion", "--setup", str(sheet), "--resolution", "1mm", "--effort", "low"]
+    assert main(["feeds", *words, "--air-feed", "6000mm/min", "--out", str(new), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"controller", "before_s", "after_s", "operations", "blocks_changed", "largest"} <= set(found)
+    assert found["after_s"] < 0.8 * found["before_s"]
+    assert found["largest"]["1"]["chip_mm"]["after"] <= found["largest"]["1"]["chip_mm"]["before"] * (1.0 + 1e-9)
+    assert "F600" in new.read_text() and new.read_text() != PROGRAM
+    assert main(["feeds", *words, "--out", str(program)]) == 2
+    assert program.read_text() == PROGRAM
+    assert main(["feeds", *words, "--limit", "chip=0.1mm"]) == 2
+    assert main(["feeds", *words, "--feeds", "limits", "--limit", "chips=0.1mm"]) == 2
+    assert "did you mean 'chip'" in capsys.readouterr().err
