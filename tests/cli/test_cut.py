@@ -117,7 +117,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
     assert max(max(each, default=0.0) for each in table["exit"].to_pylist()) > 1.0
     raw = (place / "stock-1-1.stl").read_bytes()
     assert len(raw) == 84 + 50 * int.from_bytes(raw[80:84], "little")
-    corners = np.frombuffer(raw[84:], dtype=np.dtype("<f4, (3, 3)<f4, <u2"))["f1"].astype(float)
+    corners = np.frombuffer(raw[84:], dtype=np.dtype("(3,)<f4, (3, 3)<f4, <u2"))["f1"].astype(float)
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     assert volume == pytest.approx(record["left_mm3"], rel=0.02)
     page = (place / "cut-1.html").read_text()
