@@ -148,6 +148,7 @@ def test_a_shank_that_is_wider_than_the_edge_is_found_as_a_shank():
     found = cut(way([[-20, 5, -5], [30, 5, -5]], [False] * 2), tool=wide)
     assert {each.kind for each in found.findings} == {"shank"}
     assert found.findings[0].depth == pytest.approx(2 * MM, abs=CELL)
+    assert found.removed_volume + found.left_volume == pytest.approx(found.stock_volume)
 
 
 def test_a_collision_is_told_once_not_at_each_later_pass():

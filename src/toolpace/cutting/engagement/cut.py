@@ -52,6 +52,10 @@ class Dexels(Protocol):
     def resolution(self) -> float:
         """Largest side of a cell [m]."""
 
+    @property
+    def frame(self) -> Floats:
+        """Rows (3, 3): directions of the rays, in the frame of the part."""
+
     def volume(self) -> float:
         """[m3]"""
 
@@ -79,12 +83,12 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         raise UsageError("stations: axis holds no unit vectors, one for each tip; give directions of length 1")
     height = slice_height or max(cell, profile.length / SLICES)
     feed, across, along = feed_frames(tip, axis)
-    poses = Poses(*_poses(profile, tip, axis, cell))
+    poses = Poses(*_poses(profile, tip @ stock.frame.T, axis @ stock.frame.T, cell))
     count = max(math.ceil(profile.length / height - 1e-9), 1)
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
     slices = Slices(np.asarray(middles), *surface, profile.flat_radius, height)
-    found = Found(feed, np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 2)), *(np.zeros(n) for _ in range(3)))
+    found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 2)), *(np.zeros(n) for _ in range(3)))
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
     for until in [*range(PORTION, len(poses.travel), PORTION), len(poses.travel)] if n else []:

@@ -198,7 +198,9 @@ class _Cut:
         """The stretch, and what the tool met in each of the three stocks."""
         met = self.stock.meet(self.tool.profile, stations, rapid, self.least)
         certain, nominal, possible = (each.engagement for each in met)
-        return CutStretch(stations, operation, rapid, nominal, certain, possible, self.resolution), met
+        smallest, middle, largest = (each.removed_above for each in met)
+        above = smallest, middle, largest
+        return CutStretch(stations, operation, rapid, nominal, certain, possible, above, self.resolution), met
 
     def findings(self, stretch: CutStretch, met: Sequence[Met], operation: Operation, guessed: bool) -> list[Finding]:
         """What is wrong along a stretch."""

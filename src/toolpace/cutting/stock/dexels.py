@@ -21,6 +21,21 @@ if TYPE_CHECKING:
     from toolpace.kernels.cutting.dexels import Field
     from toolpace.kernels.cutting.intrusion import Blocks
 
+
+def _turned(about_x: float, about_y: float, about_z: float) -> Floats:
+    """A rotation (3, 3), by three angles [rad]."""
+    turn = np.eye(3)
+    for d, angle in enumerate((about_x, about_y, about_z)):
+        one = np.eye(3)
+        one[d - 2, d - 2] = one[d - 1, d - 1] = math.cos(angle)
+        one[d - 1, d - 2], one[d - 2, d - 1] = math.sin(angle), -math.sin(angle)
+        turn = one @ turn
+    return turn
+
+
+FRAME: Floats = _turned(0.031, 0.023, 0.037)
+"""Rows: directions of the rays in the frame of the part. They are askew to it by one to two degrees: faces of parts are
+mostly along its axes, and rays along a face see its place within half a cell only. Askew, they see it in the mean."""
 CELLS = 500
 """Cells along the longest side, where nothing else is wanted."""
 MEMORY = 512e6
@@ -56,11 +71,9 @@ class DexelStock:
         without volume, and for a resolution that needs more memory.
         """
         low, high = numbers(low, "stock: low", (3,), unit="m"), numbers(high, "stock: high", (3,), unit="m")
-        stock = _empty(low, high, resolution, memory)
-        field = stock.field
-        for d in range(3):
-            field.low[field.first[d] : field.first[d + 1]] = low[d]
-            field.high[field.first[d] : field.first[d + 1]] = high[d]
+        _refuse_flat(high - low)
+        stock = DexelStock.mesh(_box_triangles(low, high), resolution, memory)
+        stock.content = float(np.prod(high - low))
         return stock
 
     @staticmethod
@@ -80,9 +93,11 @@ class DexelStock:
         if not length > 0.0:
             raise UsageError("stock: both ends of the cylinder are at one place; give two")
         axis = (end - start) / length
+        start, end, axis = start @ FRAME.T, end @ FRAME.T, axis @ FRAME.T
         wide = radius * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
         stock = _empty(np.minimum(start, end) - wide, np.maximum(start, end) + wide, resolution, memory)
         fill_revolved(stock.field, np.array([[0.0, length, radius, 0.0, 0.0, radius]]), start, axis)
+        stock.content = math.pi * radius**2 * length
         return stock
 
     @staticmethod
@@ -96,6 +111,8 @@ class DexelStock:
         corners = numbers(triangles, "stock: triangles", ("n", 3, 3), unit="m")
         if not len(corners):
             raise UsageError("stock: the mesh has no triangle; give a closed mesh")
+        _refuse_flat(np.ptp(corners, axis=(0, 1)))
+        corners = np.ascontiguousarray(corners @ FRAME.T)
         stock = _empty(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), resolution, memory)
         wrong = 0
         for d in range(3):
@@ -120,9 +137,9 @@ class DexelStock:
         return float(self.field.step.max())
 
     @property
-    def bounds(self) -> tuple[Floats, Floats]:
-        """Lowest and highest corner (3,) of the box of the cells [m]."""
-        return self.field.origin.copy(), self.field.origin + self.field.step * self.field.cells
+    def frame(self) -> Floats:
+        """Rows (3, 3): directions of the rays, in the frame of the part."""
+        return FRAME
 
     @property
     def memory(self) -> int:
@@ -132,8 +149,7 @@ class DexelStock:
     def volume(self) -> float:
         """Volume of the material [m3]: that of the start less all that was cut.
 
-        Both are known better than what the rays see now (`volume_by_rays`): a face that is parallel to a direction is
-        seen by its rays within half a cell.
+        What is cut is known better than the difference of what the rays see (`volume_by_rays`).
         """
         if self.content is None:
             self.content = self.volume_by_rays()
@@ -164,7 +180,7 @@ class DexelStock:
 
         points = numbers(points, "stock: points", ("n", 3), unit="m")
         found = np.empty(len(points))
-        depths_at(self.field, points, 4.0 * self.resolution if most is None else most, found)
+        depths_at(self.field, np.ascontiguousarray(points @ FRAME.T), 4.0 * self.resolution if most is None else most, found)
         return found
 
     def contains(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
@@ -175,7 +191,8 @@ class DexelStock:
         """The surface as a closed mesh (n, 3, 3) [m]; see `stock.surface.triangles`."""
         from toolpace.cutting.stock.surface import triangles
 
-        return triangles(self.field, points)
+        found: Floats = triangles(self.field, points) @ FRAME
+        return found
 
     def grown(self, distance: float) -> DexelStock:
         """The stock with all that is within a distance [m] of it: never less, at most a cell's diagonal more.
@@ -207,11 +224,12 @@ class DexelStock:
 
         tips = numbers(stations.tip, "stations: tip", ("n", 3), unit="m")
         axes = numbers(stations.axis, "stations: axis", (len(tips), 3))
+        tips, axes = np.ascontiguousarray(tips @ FRAME.T), np.ascontiguousarray(axes @ FRAME.T)
         blocks = self.blocks()
         depths, places = np.zeros(len(tips)), np.full((len(tips), 3), np.nan)
         for solid in solids:
             deepest_along(self.field, blocks, numbers(solid, "solid", ("n", 6)), tips, axes, depths, places)
-        return depths, places
+        return depths, places @ FRAME
 
     def cut(self, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
         """Cut with a tool's cutting part along stations, and tell what it met; see `engagement.cut`."""
@@ -269,12 +287,28 @@ def resolution_within(low: Floats, high: Floats, memory: float = MEMORY) -> floa
     return max(float(sides.max()) / CELLS, math.sqrt(1.1 * faces * NODE * (1.0 + SPARE) / memory))
 
 
-def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
-    """Rays without material between two corners."""
-    sides = high - low
+def _refuse_flat(sides: Floats) -> None:
     if not (sides > 0.0).all():
         shown = " x ".join(f"{1e3 * side:g}" for side in sides)
         raise UsageError(f"stock: it is {shown} mm; give one with a length, a width and a height above 0")
+
+
+def _box_triangles(low: Floats, high: Floats) -> Floats:
+    """The twelve triangles (12, 3, 3) of a box, counterclockwise seen from outside."""
+    corner, found = np.array([low, high]), []
+    for d in range(3):
+        square = np.empty((2, 4, 3))
+        square[:, :, d] = corner[:, d, None]
+        square[:, :, d - 2] = corner[[0, 1, 1, 0], d - 2]
+        square[:, :, d - 1] = corner[[0, 0, 1, 1], d - 1]
+        square[0] = square[0, ::-1]
+        found += [square[:, [0, 1, 2]], square[:, [0, 2, 3]]]
+    return np.concatenate(found)
+
+
+def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
+    """Rays without material between two corners."""
+    sides = high - low
     cell = resolution_within(low, high, memory) if resolution is None else resolution
     cell = number(cell, "stock: resolution", least=0.0, above=True, unit="m")
     wanted = np.ceil(sides / cell - 1e-9)

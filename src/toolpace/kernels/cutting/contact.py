@@ -52,8 +52,10 @@ class Arcs(NamedTuple):
 
 
 @jit(inline=True)
-def depth_on(field: Field, pose: Floats, z: float, radius: float, phi: float, most: float) -> float:
-    """Depth in material of a point of the tool."""
+def depth_on(
+    field: Field, pose: Floats, z: float, radius: float, phi: float, most: float, ahead: int
+) -> tuple[float, int]:
+    """Depth in material of a point of the tool, and the direction that counted; see `depth_at`."""
     a, b = radius * math.cos(phi), radius * math.sin(phi)
     return depth_at(
         field,
@@ -61,6 +63,7 @@ def depth_on(field: Field, pose: Floats, z: float, radius: float, phi: float, mo
         pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
         pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
         most,
+        ahead,
     )
 
 
@@ -84,12 +87,13 @@ def outward(pose: Floats, z: float, radius: float, across: float, along: float) 
 
 @jit()
 def border(
-    field: Field, pose: Floats, z: float, radius: float, inside: float, outside: float, most: float
+    field: Field, pose: Floats, z: float, radius: float, inside: float, outside: float, most: float, ahead: int
 ) -> float:
     """The angle between one in material and one outside at which the depth is zero."""
     for _ in range(HALVINGS):
         middle = 0.5 * (inside + outside)
-        if depth_on(field, pose, z, radius, middle, most) > 0.0:
+        depth, ahead = depth_on(field, pose, z, radius, middle, most, ahead)
+        if depth > 0.0:
             inside = middle
         else:
             outside = middle
@@ -111,20 +115,20 @@ def slice_arcs(
     whole, most = end - begin >= TURN, FAR * cell
     first = count
     entry, top, before = math.nan, -most, begin
-    phi = begin + 0.5 * shortest
+    phi, ahead = begin + 0.5 * shortest, 0
     while phi < end:
-        depth = depth_on(field, pose, z, radius, phi, most)
+        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
         if depth > deepest:
             best, deepest = phi, depth
         if depth > 0.0:
             if math.isnan(entry):
-                entry = begin if before == begin else border(field, pose, z, radius, phi, before, most)
+                entry = begin if before == begin else border(field, pose, z, radius, phi, before, most, ahead)
                 top = depth
             top = max(top, depth)
         elif not math.isnan(entry):
             if top > least and count < len(arcs.slice):
                 arcs.slice[count], arcs.entry[count] = j, entry
-                arcs.exit[count] = border(field, pose, z, radius, before, phi, most)
+                arcs.exit[count] = border(field, pose, z, radius, before, phi, most, ahead)
                 count += 1
             entry = math.nan
         before = phi
@@ -138,8 +142,9 @@ def slice_arcs(
             arcs.entry[first] = arcs.entry[count - 1] - TURN
             count -= 1
     for k in range(first, count):
-        turns = math.floor(arcs.entry[k] / TURN) * TURN
-        arcs.entry[k] -= turns
+        # what is below zero by rounding is zero
+        turns = math.floor(arcs.entry[k] / TURN + 1e-12) * TURN
+        arcs.entry[k] = max(arcs.entry[k] - turns, 0.0)
         arcs.exit[k] = min(arcs.exit[k] - turns, arcs.entry[k] + TURN)
     return count, best
 
@@ -148,7 +153,7 @@ def slice_arcs(
 def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: float) -> float:
     """The share of the flat end, by area, that moves into material."""
     rings = min(max(math.ceil(radius / cell), 2), 24)
-    found = 0.0
+    found, ahead = 0.0, 0
     if -pose[MOTION, 2] + radius * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1])) <= 0.0:
         return found
     for ring in range(rings):
@@ -160,7 +165,8 @@ def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: fl
             # turning about left moves what is ahead downwards, turning about the feed what is on the left upwards
             down = -pose[MOTION, 2] + r * (pose[TURNING, 0] * math.sin(phi) - pose[TURNING, 1] * math.cos(phi))
             if down > LEAST_CHIP * (abs(pose[MOTION, 0]) + abs(pose[MOTION, 1])):
-                inside += depth_on(field, pose, 0.0, r, phi, FAR * cell) > least
+                depth, ahead = depth_on(field, pose, 0.0, r, phi, FAR * cell, ahead)
+                inside += depth > least
         found += (2 * ring + 1) * inside / samples
     return found / (rings * rings)
 
@@ -170,12 +176,13 @@ def height_of_border(
     field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
 ) -> float:
     """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
-    inside, outside = 0.0, 1.0
+    inside, outside, ahead = 0.0, 1.0, 0
     for _ in range(HALVINGS):
         share = 0.5 * (inside + outside)
         z = slices.z[j] + share * (slices.z[k] - slices.z[j])
         radius = slices.radius[j] + share * (slices.radius[k] - slices.radius[j])
-        if depth_on(field, pose, z, radius, phi, most) > 0.0:
+        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
+        if depth > 0.0:
             inside = share
         else:
             outside = share

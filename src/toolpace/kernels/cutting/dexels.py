@@ -170,21 +170,25 @@ def depth_on_ray(field: Field, ray: int, place: float, most: float) -> float:
 
 
 @jit()
-def depth_at(field: Field, x: float, y: float, z: float, most: float) -> float:
+def depth_at(field: Field, x: float, y: float, z: float, most: float, ahead: int) -> tuple[float, int]:
     """Depth of a point in material, below zero outside; exact for a plane, within a cell at edges; `most` at most.
 
     In each direction the depth along the four rays about the point is interpolated. For a plane this is linear, and
     the four differ the least where the rays cross it at the steepest angle: that direction counts. Rays that do not
     come to their end within `most` tell on which side the point is, and no more.
+
+    Looks in direction `ahead` first, and in no other where the rays cross steeply there. Returns the depth and the
+    direction that counted.
     """
     at = (x, y, z)
-    score, best, steep = math.inf, -most, 1.0
+    score, best, steep, which = math.inf, -most, 1.0, ahead
     for d in range(3):
         outside = max(field.origin[d] - at[d], at[d] - field.origin[d] - field.step[d] * field.cells[d])
-        if outside > 0.0:
+        if outside >= 0.0:
             depth: float = -min(outside, most)
-            return depth
-    for d in range(3):
+            return depth, ahead
+    for k in range(3):
+        d = (ahead + k) % 3
         u, v = (d + 1) % 3, (d + 2) % 3
         fu = min(max((at[u] - field.origin[u]) / field.step[u] - 0.5, 0.0), field.cells[u] - 1.0)
         fv = min(max((at[v] - field.origin[v]) / field.step[v] - 0.5, 0.0), field.cells[v] - 1.0)
@@ -201,18 +205,20 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float) -> float:
         spread = high - low
         rank = 1.5 * most if low >= most or high <= -most else spread
         if rank < score:
-            score = rank
+            score, which = rank, d
             best = (1.0 - fv) * ((1.0 - fu) * a + fu * b) + fv * ((1.0 - fu) * c + fu * e)
             steep = 1.0
             if rank == spread:
                 slope_u = ((1.0 - fv) * (b - a) + fv * (e - c)) / field.step[u]
                 slope_v = ((1.0 - fu) * (c - a) + fu * (e - b)) / field.step[v]
                 steep = 1.0 / math.sqrt(1.0 + slope_u * slope_u + slope_v * slope_v)
-    return best * steep
+                if spread <= field.step[u]:
+                    break
+    return best * steep, which
 
 
 @jit()
 def depths_at(field: Field, points: Floats, most: float, into: Floats) -> None:
     """`depth_at` of points (n, 3)."""
     for k in range(len(points)):
-        into[k] = depth_at(field, points[k, 0], points[k, 1], points[k, 2], most)
+        into[k], _ = depth_at(field, points[k, 0], points[k, 1], points[k, 2], most, 0)

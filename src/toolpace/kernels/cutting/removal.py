@@ -7,11 +7,13 @@ from typing import NamedTuple
 
 from toolpace.kernels.arrays import Floats
 from toolpace.kernels.cutting.dexels import Field, subtract
-from toolpace.kernels.cutting.revolution import WIDEST, Z0, Z1, chord, nearest_normal
+from toolpace.kernels.cutting.revolution import ARC, WIDEST, Z0, Z1, A, B, chord, nearest_normal
 from toolpace.kernels.jit import jit
 
 SHORTEST = 1e-6
 """Intervals shorter than this part of a cell are no material: they are rounding."""
+MOST_PARTS = 100
+"""Parts of a removed interval over which the normal is integrated."""
 
 
 class Shadow(NamedTuple):
@@ -36,12 +38,29 @@ def widest_of(pieces: Floats) -> float:
 
 
 @jit()
+def widest_between(pieces: Floats, z0: float, z1: float) -> float:
+    """The largest radius of a solid between two heights."""
+    widest = 0.0
+    for k in range(len(pieces)):
+        low, high = max(z0, pieces[k, Z0]), min(z1, pieces[k, Z1])
+        if low <= high:
+            a, b, arc = pieces[k, A], pieces[k, B], pieces[k, ARC]
+            if arc == 0.0:
+                widest = max(widest, a + b * low, a + b * high)
+            else:
+                off = min(max(b, low), high) - b
+                widest = max(widest, a + math.sqrt(max(arc * arc - off * off, 0.0)))
+    return widest
+
+
+@jit()
 def near_box(field: Field, pieces: Floats, tip: Floats, axis: Floats, radius: float) -> tuple[float, float]:
     """Heights along the axis between which the tool may be within the stock's box; none: the first is above."""
     low, high = pieces[0, Z0], pieces[len(pieces) - 1, Z1]
     for d in range(3):
-        least = field.origin[d] - radius - tip[d]
-        most = field.origin[d] + field.step[d] * field.cells[d] + radius - tip[d]
+        reach = radius * math.sqrt(max(1.0 - axis[d] * axis[d], 0.0))
+        least = field.origin[d] - reach - tip[d]
+        most = field.origin[d] + field.step[d] * field.cells[d] + reach - tip[d]
         if abs(axis[d]) < 1e-12:
             if least > 0.0 or most < 0.0:
                 return 1.0, 0.0
@@ -73,12 +92,23 @@ def row_part(shadow: Shadow, v: float) -> tuple[float, float]:
 
 
 @jit()
-def normal_along(pieces: Floats, off: float, base: float, lean: float, t: float) -> float:
-    """The component along a ray of the outward normal of the surface that is nearest to a place of the ray."""
-    z = base + t * lean
-    rho = math.sqrt(max(off + t * t - z * z, 0.0))
-    across, along = nearest_normal(pieces, rho, z)
-    return along * lean + (across * (t - z * lean) / rho if rho > 0.0 else 0.0)
+def squared_normal(
+    pieces: Floats, off: float, base: float, lean: float, begin: float, length: float, apart: float
+) -> float:
+    """Integral over a part of a ray of the square of the component along it of the nearest surface's normal.
+
+    By two Gauss points in each part of at most `apart`: the normal turns along a ray that grazes, and jumps at edges.
+    """
+    parts = min(max(math.ceil(length / apart), 1), MOST_PARTS)
+    width, total = length / parts, 0.0
+    for k in range(2 * parts):
+        t = begin + width * (k // 2 + 0.5 + (0.28867513459481287 if k % 2 else -0.28867513459481287))
+        z = base + t * lean
+        rho = math.sqrt(max(off + t * t - z * z, 0.0))
+        across, along = nearest_normal(pieces, rho, z)
+        part = along * lean + (across * (t - z * lean) / rho if rho > 0.0 else 0.0)
+        total += part * part
+    return 0.5 * width * total
 
 
 @jit()
@@ -88,12 +118,17 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
     Each direction sees the whole volume, but those that graze the surface see it in jumps. At each ray the square of
     the normal's component along it counts; over the three directions these sum up to one.
     """
-    radius = widest_of(pieces)
-    z0, z1 = near_box(field, pieces, tip, axis, radius)
+    z0, z1 = near_box(field, pieces, tip, axis, widest_of(pieces))
+    if z0 > z1:
+        return 0.0
+    begin, end = 0, len(pieces)
+    while pieces[begin, Z1] < z0:
+        begin += 1
+    while pieces[end - 1, Z0] > z1:
+        end -= 1
+    radius, pieces = widest_between(pieces, z0, z1), pieces[begin:end]
     lows, highs, following, pool = field.low, field.high, field.following, field.pool
     volume = 0.0
-    if z0 > z1:
-        return volume
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         su, sv, lean = field.step[u], field.step[v], axis[d]
@@ -135,10 +170,7 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
                             lows, highs, following, pool, ray, low + tip_d, high + tip_d, SHORTEST * su
                         )
                         if length > 0.0:
-                            # two Gauss points: along a ray that grazes, the normal turns
-                            t, apart = moment / length - tip_d, 0.28867513459481287 * length
-                            one = normal_along(pieces, off, base, lean, t - apart)
-                            other = normal_along(pieces, off, base, lean, t + apart)
-                            seen += 0.5 * length * (one * one + other * other)
+                            t = moment / length - tip_d
+                            seen += squared_normal(pieces, off, base, lean, t - 0.5 * length, length, 0.5 * su)
         volume += seen * su * sv
     return volume
