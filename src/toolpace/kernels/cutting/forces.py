@@ -395,12 +395,3 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
         once = complex(work.circle[k, 0], work.circle[k, 1])
         add_channels(work.sums[k % len(work.sums)], running, 1.0, once, once * once)
     return thickest
-
-
-@jit()
-def turns(out: Floats, edge: Edge, teeth: Teeth, arcs: Arcs, motion: Floats, stations: Ints) -> None:
-    """The forces (m, cells, channels) of some stations over a turn."""
-    work = workspace(edge, teeth, out.shape[1])
-    for m in range(len(stations)):
-        turn_of(work, edge, teeth, arcs, stations[m], motion[stations[m]], 0.0)
-        out[m] = work.sums
