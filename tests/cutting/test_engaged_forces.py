@@ -202,6 +202,25 @@ def test_a_deflected_tool_leaves_material_at_the_wall_that_pushes_it():
     np.testing.assert_allclose(found.surface_height[0], [3.95e-3, 5e-5], rtol=1e-9)
 
 
+@pytest.mark.parametrize("kind, entry, leave, wall", [("flat", 1.9, np.pi, np.pi), ("ball", 0.0, 1.3, 0.0)])
+def test_what_is_left_on_a_wall_is_the_deflection_of_the_turned_tool_when_the_edge_passes_it(kind, entry, leave, wall):
+    """With a helix, at each height of its own time; `wall` is the angle at which the edge moves along the surface."""
+    tool = replace(FLAT, kind=kind, corner_radius=4e-3 if kind == "ball" else 0.0)
+    table, speed, steps = shoulder(3e-3, entry, leave, slices=12), CHIP * 3 * SPINDLE, 1440
+    forces = EngagedForces(table, tool, K, SPINDLE)
+    found = forces.loads(speed)
+    heights = forces.edge.height[forces.edge.first[0] : forces.edge.first[12]]
+    bent = turned_tool(
+        tool, K, table, 0, speed, SPINDLE, steps=steps, bend=lambda z: forces.beam.compliance(heights, z)
+    )[2]
+    slope = 2.0 * np.tan(tool.helix) / tool.diameter
+    at = np.rint((wall + slope * heights) / (2.0 * np.pi) * steps).astype(int) % steps
+    sine = np.sqrt(1.0 - (1.0 - heights / 4e-3) ** 2) if kind == "ball" else np.ones(len(heights))
+    left = -bent[at, np.arange(len(heights)), 1] * np.cos(wall) * sine
+    np.testing.assert_allclose(found.surface[0], [left.min(), left.max()], atol=0.02 * np.abs(left).max())
+    np.testing.assert_allclose(found.surface_height[0], heights[[left.argmin(), left.argmax()]], atol=0.3e-3)
+
+
 def test_conventional_milling_with_a_helix_cuts_too_deep():
     """The edge that generates the wall enters with no chip, while others pull the tool into it."""
     found = loads(shoulder(4e-3, 0.0, 1.6), replace(FLAT, helix=np.radians(45.0)))

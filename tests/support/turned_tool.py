@@ -27,10 +27,12 @@ def radius_at(tool, z):
     return half - corner + np.sqrt(np.maximum(corner**2 - np.maximum(corner - z, 0.0) ** 2, 0.0))
 
 
-def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, trochoidal=False, phase=0.0):
+def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, trochoidal=False, phase=0.0,
+                bend=None):  # fmt: skip
     """Forces (steps, 3) [N] along feed, normal and axis, and torque (steps,) [N m], of station i over a turn.
 
-    speed of the tip [m/s]; phase: angle of the runout from the first tooth.
+    speed of the tip [m/s]; phase: angle of the runout from the first tooth. With `bend`, a function of heights (n,)
+    that gives (w, n) deflections per force there, also deflections (steps, w, 2) along feed and normal [m].
     """
     k, sense = coefficients, 1.0 if tool.clockwise else -1.0
     count = tool.teeth
@@ -40,6 +42,7 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
     velocity = speed * np.array([engagement.across[i], 0.0, engagement.along[i]])
     theta = sense * 2.0 * np.pi * np.arange(steps) / steps
     force, torque = np.zeros((steps, 3)), np.zeros(steps)
+    bent = None if bend is None else np.zeros((steps, len(bend(np.zeros(1))), 2))
     slope = 2.0 * np.tan(tool.helix) / tool.diameter
     # a piece lags by a tenth of a degree at most
     pieces = max(int(abs(slope) * engagement.slice_height / np.radians(0.1)), 30)
@@ -98,5 +101,8 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
                 )
             ):
                 force[:, column] += np.bincount(at, part, minlength=steps)
+                if bent is not None and column < 2:
+                    for w, weight in enumerate(bend(z)):
+                        bent[:, w, column] += np.bincount(at, part * weight[piece], minlength=steps)
             torque += np.bincount(at, tangential * r[piece], minlength=steps)
-    return force, torque
+    return (force, torque) if bent is None else (force, torque, bent)

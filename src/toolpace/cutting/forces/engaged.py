@@ -205,7 +205,7 @@ class EngagedForces:
         At the share o of the speeds (n,) the force is slope * o + constant. Angles are even over one pitch where all
         teeth are alike, else over a turn.
         """
-        from toolpace.kernels.cutting import forces as kernel
+        from toolpace.kernels.cutting.loads import turns
 
         count = len(self.engagement.along)
         chosen = np.atleast_1d(integers(stations, "cutting forces: stations", (), ("m",)))
@@ -214,8 +214,8 @@ class EngagedForces:
         motion, arcs = self._motion(speed, turning), self._arcs(slice(0, count))
         slope = np.empty((len(chosen), self.cells, self._channels))
         constant = np.empty_like(slope)
-        kernel.turns(slope, self._edge, self._teeth(constant=0.0), arcs, motion, chosen)
-        kernel.turns(constant, self._edge, self._teeth(slope=0.0), arcs, motion, chosen)
+        turns(slope, self._edge, self._teeth(constant=0.0), arcs, motion, chosen)
+        turns(constant, self._edge, self._teeth(slope=0.0), arcs, motion, chosen)
         return slope[:, :, :4], constant[:, :, :4]
 
     def chips_together(self, speed: npt.ArrayLike) -> tuple[Floats, Floats]:

@@ -14,9 +14,12 @@ from toolpace.cutting.stock.solids import Body, body_of, check_stock_place, gues
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
-from toolpace.programs.stock_figures import Solid
+from toolpace.programs.stock_figures import Solid, StockFigures
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
+
+FAR = 0.1
+"""Beyond this from all that the tip passes a stock is in the wrong place, or in another unit [m]."""
 
 
 def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | None], list[str]]:
@@ -76,16 +79,28 @@ def stock_range(
 
     With it the same smaller and larger by its uncertainty. Raises UsageError where it is none, or lies elsewhere.
     """
-    shapes = [None if tool is None else tool.figures for tool in tools]
-    figures = setup.workpiece.stock or toolpath.workpiece.stock or guessed_stock(toolpath, shapes)
-    body = body_of(figures.solid, machine, setup)
-    check_stock_place(body, toolpath, shapes, figures.solid.source or "[stock]")
+    figures, body = stock_body(toolpath, setup, machine, tools)
     nominal = dexels(body, resolution, memory / 3.0)
     notes = [f"stock: {note}" for note in body.notes]
     if figures.guessed or figures.uncertainty == 0.0:
         return StockRange(nominal, nominal, nominal, guessed=figures.guessed), notes
     off = figures.uncertainty
     return StockRange(nominal.shrunk(off), nominal, nominal.grown(off), off), notes
+
+
+def stock_body(
+    toolpath: ToolPath, setup: SetUp, machine: Machine, tools: Sequence[ToolInUse | None]
+) -> tuple[StockFigures, Body]:
+    """The figures of the stock, and its body in the frame of the part. Raises UsageError as `stock_range`."""
+    shapes = [None if tool is None else tool.figures for tool in tools]
+    figures = setup.workpiece.stock or toolpath.workpiece.stock or guessed_stock(toolpath, shapes)
+    body = body_of(figures.solid, machine, setup)
+    low, high = body.bounds
+    apart = np.maximum(np.maximum(low - toolpath.tip.max(axis=0), toolpath.tip.min(axis=0) - high), 0.0)
+    # a program that only passes by, in air, is a finding
+    if body.unit_assumed or float(np.linalg.norm(apart)) > FAR:
+        check_stock_place(body, toolpath, shapes, figures.solid.source or "[stock]")
+    return figures, body
 
 
 def surroundings(setup: SetUp, machine: Machine, resolution: float, memory: float) -> Surroundings:

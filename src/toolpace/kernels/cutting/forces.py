@@ -104,7 +104,9 @@ class Work(NamedTuple):
     """What is summed over a turn of k angles."""
 
     terms: Floats
-    """(k, t) by how much the sums grow from the angle before."""
+    """(k, t) by how much the sums grow from the angle before; nothing between two stations."""
+    circle: Floats
+    """(k, 2) cosine and sine of each angle."""
     carried: Floats
     """(t,) the sums before the first angle."""
     point: Floats
@@ -121,9 +123,11 @@ def workspace(edge: Edge, teeth: Teeth, cells: int) -> Work:
     weights = edge.weight.shape[1]
     terms, channels = ACROSS_TERMS + 6 * (1 + weights), WEIGHTED + 2 * weights
     turn = cells * len(teeth.angle) if teeth.share.shape[1] == 1 else cells
-    return Work(
-        np.zeros((turn, terms)), np.zeros(terms), np.zeros(terms), np.zeros(channels), np.zeros((cells, channels))
-    )
+    circle = np.empty((turn, 2))
+    for k in range(turn):
+        circle[k, 0], circle[k, 1] = math.cos(k * TURN / turn), math.sin(k * TURN / turn)
+    sums = np.zeros((cells, channels))
+    return Work(np.zeros((turn, terms)), circle, np.zeros(terms), np.zeros(terms), np.zeros(channels), sums)
 
 
 @jit(inline=True)
@@ -207,7 +211,7 @@ def add_channels(out: Floats, terms: Floats, one: float, once: complex, twice: c
         out[feed + 1] += real
 
 
-@jit()
+@jit(inline=True)
 def grow(work: Work, k: int, by: float) -> None:
     """Have the sums grow from angle k on by a share of the terms of the point."""
     turn = len(work.terms)
@@ -220,11 +224,21 @@ def grow(work: Work, k: int, by: float) -> None:
             work.carried[t] -= wraps * by * work.point[t]
 
 
-@jit()
+@jit(inline=True)
 def add_at(work: Work, k: int, angle: float, share: float) -> None:
     """Add a share of the point at angle k of the sums, as it is with the first tooth at an angle next to that."""
     once = complex(math.cos(angle), math.sin(angle))
     add_channels(work.sums[k % len(work.sums)], work.point, share, share * once, share * (once * once))
+
+
+@jit(inline=True)
+def enter(work: Work, place: float, half: float, by: float) -> None:
+    """Have the point come in (by = 1) or go out (-1) at a place, over a span; both in steps between angles."""
+    before = 0.0
+    for k in range(math.floor(place - half) + 1, math.ceil(place + half) + 1):
+        share = min((k - place + half) / (2.0 * half), 1.0)
+        grow(work, k, by * (share - before))
+        before = share
 
 
 @jit()
@@ -239,18 +253,12 @@ def add_piece(work: Work, span: float, begin: float, end: float, jumps_in: bool,
     add_channels(work.mean, work.point, end - begin, once, twice)
     first, last, half = begin / step, end / step, 0.5 * span / step
     if span > STRAIGHT:
-        k = math.floor(first - half) + 1
-        while k < last + half:
-            if first + half <= k <= last - half:
-                beyond = math.floor(last - half) + 1
-                grow(work, k, 1.0)
-                grow(work, beyond, -1.0)
-                k = beyond
-            else:
-                # the part of its piece that is in material stands in the middle of that part
-                low, high = max(k - half, first), min(k + half, last)
-                add_at(work, k, 0.5 * (low + high) * step, 0.5 * (high - low) / half)
-                k += 1
+        if math.floor(first - half) + 1 >= last + half:  # all of it is between two angles: the nearer takes its most
+            middle = 0.5 * (first + last)
+            add_at(work, round(middle), middle * step, min(0.5 * (last - first) / half, 1.0))
+        else:
+            enter(work, first, half, 1.0)
+            enter(work, last, half, -1.0)
         return
     grow(work, math.ceil(first), 1.0)
     grow(work, math.ceil(last), -1.0)
@@ -357,7 +365,6 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
 
     origin: angle of the first tooth at the tip at which the turn begins.
     """
-    work.terms[:] = 0.0
     work.carried[:] = 0.0
     work.mean[:] = 0.0
     work.sums[:] = 0.0
@@ -376,23 +383,15 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
             thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, scale, origin, chip, reach))
     alike = teeth.share.shape[1] == 1
     work.mean[:] *= len(teeth.angle) / TURN if alike else 1.0 / TURN
-    step, running = TURN / len(work.terms), work.carried
+    running = work.carried
     # what is left of its edge by rounding is nothing; where the constant part is not counted all angles are looked at
     least = 1e-9 * edge.width.min() * teeth.constant - (1.0 - teeth.constant)
     for k in range(len(work.terms)):
         for t in range(len(running)):
             running[t] += work.terms[k, t]
+            work.terms[k, t] = 0.0
         if running[LENGTH_TERM] <= least:  # nothing is in material
             continue
-        once = complex(math.cos(k * step), math.sin(k * step))
+        once = complex(work.circle[k, 0], work.circle[k, 1])
         add_channels(work.sums[k % len(work.sums)], running, 1.0, once, once * once)
     return thickest
-
-
-@jit()
-def turns(out: Floats, edge: Edge, teeth: Teeth, arcs: Arcs, motion: Floats, stations: Ints) -> None:
-    """The forces (m, cells, channels) of some stations over a turn."""
-    work = workspace(edge, teeth, out.shape[1])
-    for m in range(len(stations)):
-        turn_of(work, edge, teeth, arcs, stations[m], motion[stations[m]], 0.0)
-        out[m] = work.sums

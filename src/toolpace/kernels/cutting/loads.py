@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.cutting.forces import (
     ARM,
     AXIS,
@@ -130,3 +130,12 @@ def loads(
         peak[i, THICKNESS] = thickest
         if edge.weight.shape[1] > 0:
             surface_left(left[i], work, edge, teeth, arcs, i, motion[i], origin)
+
+
+@jit()
+def turns(out: Floats, edge: Edge, teeth: Teeth, arcs: Arcs, motion: Floats, stations: Ints) -> None:
+    """The forces (m, cells, channels) of some stations over a turn."""
+    work = workspace(edge, teeth, out.shape[1])
+    for m in range(len(stations)):
+        turn_of(work, edge, teeth, arcs, stations[m], motion[stations[m]], 0.0)
+        out[m] = work.sums
