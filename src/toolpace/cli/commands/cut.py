@@ -13,7 +13,6 @@ from toolpace.cli import options
 from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import MILLIMETRE, format_length, format_time, parse_length
-from toolpace.common.value_objects import counted
 
 if TYPE_CHECKING:
     from toolpace.cutting.simulation.findings import Finding
@@ -189,6 +188,8 @@ def _show_figures(console: Console, found: ProgramCut, machine: str) -> None:
 
 def show_findings(console: Console, simulation: CutSimulation) -> None:
     """What is wrong, the worst first, and what could not be seen."""
+    from toolpace.common.value_objects import counted
+
     listed = [each for each in simulation.findings if each.collision or each.seconds >= WORTH]
     for each in listed[:SHOWN]:
         style = "bold red" if each.collision and each.certain else "red" if each.collision else ""

@@ -16,7 +16,6 @@ from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
 from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
 from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import format_time, parse_feed, parse_length
-from toolpace.common.value_objects import counted
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
@@ -208,6 +207,8 @@ def cut_limits(words: list[str]) -> dict[str, CutLimits]:
 
 def show_feeds(console: Console, found: NewFeeds) -> None:
     """Times before and after, by operation, and what was left."""
+    from toolpace.common.value_objects import counted
+
     saved = 1.0 - found.after.total / found.before.total if found.before.total > 0.0 else 0.0
     console.print()
     for note in found.plan.notes:
