@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -66,12 +66,8 @@ class Sampling:
     def __len__(self) -> int:
         return self._count
 
-    @cached_property
-    def t(self) -> Floats:
-        """(n,) times [s]."""
-        return self._times(0, len(self))
-
-    def _times(self, begin: int, end: int) -> Floats:
+    def times(self, begin: int, end: int) -> Floats:
+        """(k,) times of the rows from `begin` to before `end` [s]."""
         found: Floats = self.dt * np.arange(begin, end, dtype=np.float64)
         return found
 
@@ -92,7 +88,7 @@ class Sampling:
 
         def fill(begin: int) -> None:
             end = min(begin + ROWS, len(self))
-            self._fill(out, slice(begin, end), self._times(begin, end))
+            self._fill(out, slice(begin, end), self.times(begin, end))
 
         Workers().each(fill, range(0, len(self), ROWS))
         return SetPoints(**out, joints=self.joints)

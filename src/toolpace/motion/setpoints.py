@@ -49,10 +49,6 @@ class SetPointSource(Protocol):
     """Set-points that can be taken block by block: those in memory, and those of a trajectory (motion/sampling.py)."""
 
     @property
-    def t(self) -> Floats:
-        """(n,) times [s]."""
-
-    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the columns of positions."""
 
@@ -61,6 +57,9 @@ class SetPointSource(Protocol):
         """Whether tip and axis are known."""
 
     def __len__(self) -> int: ...
+
+    def times(self, begin: int, end: int) -> Floats:
+        """(k,) times of the rows from `begin` to before `end` [s]."""
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""
@@ -160,6 +159,10 @@ class SetPoints(ByValue):
         step = f" every {(self.t[1] - self.t[0]) * 1e3:.6g} ms" if len(self) > 1 else ""
         tool = "with the tool" if self.has_tool else "without a tool"
         return one_line(self, f"{len(self)}{step}", named(self.joints), tool)
+
+    def times(self, begin: int, end: int) -> Floats:
+        """(k,) times of the rows from `begin` to before `end` [s]."""
+        return self.t[begin:end]
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""

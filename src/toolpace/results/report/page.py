@@ -108,9 +108,10 @@ def _data(
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     shown = curves.extremes()
     if figures is not None:
-        shown += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+        times = setpoints.times(0, len(setpoints))
+        shown += deviations(trajectory, times, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
     data: dict[str, object] = {
-        "end": float(setpoints.t[-1]),
+        "end": float(setpoints.times(len(setpoints) - 1, len(setpoints))[0]),
         "duration": float(trajectory.duration),
         "joints": list(setpoints.joints),
         "channels": [packed(channel) for channel in shown],
@@ -126,7 +127,7 @@ def _data(
         points = setpoints.at(at)
         cap = curves.caps.at(points.block) if curves.caps is not None else None
         times = np.asarray(np.minimum(points.t, trajectory.duration), dtype=np.float64)
-        speed = curves.speed_at(at, setpoints.t) * 60e3
+        speed = curves.speed_at(at, setpoints.times(0, len(setpoints))) * 60e3
         data["scene"] = scene_data(points, speed, binding(trajectory, times), cap)
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 

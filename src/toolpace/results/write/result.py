@@ -162,7 +162,7 @@ class PlanResult:
         tip = widest(self.tip_tolerance, toolpath, "tip")
         axis = widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
-        t, digest = self.setpoints.t, self.digest
+        t, digest = self.setpoints.times(0, 2), self.digest
         length = digest.length if digest is not None else SetPointDigest.of(self.setpoints).length
         return PlanRecord(
             duration_s=float(trajectory.duration),
