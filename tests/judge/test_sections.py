@@ -25,7 +25,8 @@ def case(seed):
     if len(motion) < 4:
         motion = np.repeat(motion, 4, axis=0)
     room = r.choice([0.0, 0.0, 0.5, 2.0], (len(program) - 1, 2)) if seed % 2 else np.zeros((len(program) - 1, 2))
-    cuts = np.sort(r.choice(np.arange(1, len(motion) - 1), min(len(motion) // 3, 1 + int(r.integers(8))), replace=False))
+    count = min(len(motion) // 3, 1 + int(r.integers(8)))
+    cuts = np.sort(r.choice(np.arange(1, len(motion) - 1), count, replace=False))
     return motion, program, room, np.concatenate(([0], cuts, [len(motion) - 1]))
 
 

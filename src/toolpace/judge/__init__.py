@@ -113,7 +113,7 @@ def verify_plan(
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet, figures=True)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -128,12 +128,13 @@ def _judged(
     axis_tolerance: float | Tolerances,
     tool: CuttingTool | None,
     sheet: str,
+    figures: bool = False,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
     judge = motion_judge(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
     if len(points):
         each_block(lambda begin, end: judge.take(Block.of(points, begin, end)), len(points))
-    return judge.judged()
+    return judge.judged(figures)
 
 
 def motion_judge(
@@ -190,7 +191,7 @@ class MotionJudge:
         self._taken = 0
         count = len(source)
         begins = range(0, count, ROWS)
-        finite = count > 0 and all(_finite(source.times(k, min(k + ROWS, count))) for k in begins)
+        finite = count > 0 and all(_finite(source.times(np.arange(k, min(k + ROWS, count)))) for k in begins)
         self.step, self._steps = step_check(source) if finite else (math.nan, [])
         self._goes_on = finite and self._steps[0].ok
         self._even = even_rows(source, self.step) if self._goes_on else 0
@@ -249,8 +250,9 @@ class MotionJudge:
                 with self._lock:
                     self._bad[name] = min(place, self._bad.get(name, place))
 
-    def judged(self) -> tuple[Verification, ProgramJudgement | None]:
-        """The verdict, and what the program has to say; None where the set-points are too bad to go on.
+    def judged(self, figures: bool = False) -> tuple[Verification, ProgramJudgement | None]:
+        """The verdict, and what the program has to say; None where the set-points are too bad to go on. `figures`: with
+        what those of a plan are judged by.
 
         Raises ValueError where it has not taken each set-point once: what was not seen would count as good.
         """
@@ -273,7 +275,7 @@ class MotionJudge:
             checks += self._names(machine) + tool_checks(seen, machine)
             if program is not None:
                 checks += length_checks(seen, machine, program.toolpath, tool_table(self.sheet))
-                judged = program.judge(seen, self._sections, self.source)
+                judged = program.judge(seen, self._sections, self.source, figures)
                 checks += judged.checks
         deviations = judged.tip_deviation, judged.axis_deviation
         return Verification(tuple(checks), self.step, count, *deviations, judged.bending), judged
@@ -297,7 +299,7 @@ class MotionJudge:
     def _beyond(self, order: int, joint: int) -> tuple[float, int]:
         """Largest difference of an order and a joint beyond rounding near poles, and where."""
         q, rounding = self._rounded
-        t = self.source.times(0, len(q))
+        t = self.source.times(np.arange(len(q)))
         return difference_beyond_rounding(q[:, joint], t, order, self.step, rounding[:, joint])
 
     @cached_property

@@ -26,19 +26,17 @@ class FeedUse:
     """The speed of the tip over the feeds of the blocks that it can be in."""
 
     ratio: Floats
-    """(steps,) mean speed over the largest feed that may hold, at least."""
+    """(steps,) mean speed over the largest feed that may hold, at least; none where the figures of a plan are not
+    judged by it."""
+    least: float
+    """The largest of all: the feed is used to this share at least."""
     worst: Check
-    """The step where it is the largest."""
+    """The step where it is so."""
     most: float
     """Highest speed over the least feed that may hold, with what may hide between set-points."""
 
-    @property
-    def least(self) -> float:
-        """The feed is used to this share at least."""
-        return float(self.ratio.max(initial=0.0))
-
     @classmethod
-    def of(cls, section: Section, toolpath: ToolPath, owner: Ints, farthest: float) -> FeedUse:
+    def of(cls, section: Section, toolpath: ToolPath, owner: Ints, farthest: float, figures: bool) -> FeedUse:
         """That of a section, whose poses of the program belong to the points `owner` (m,); `farthest` [m] is the
         largest coordinate of the tip without sign."""
         speed, steps = section.steps.speed, np.diff(section.steps.t)
@@ -56,15 +54,15 @@ class FeedUse:
         time, block = float(section.steps.t[k]), int(section.steps.block[k + 1])
         ok = bool(ratio[k] <= 1.0 + TOLERANCE)
         worst = Check("feed", float(speed[k]), float(cap[k]), "m/s", ok, time, block, noise=float(noise[k]))
-        return cls(ratio, worst, most)
+        return cls(ratio if figures else np.empty(0), max(float(ratio[k]), 0.0), worst, most)
 
     @classmethod
     def of_all(cls, parts: Sequence[FeedUse], untold: int) -> FeedUse:
         """That of all sections, where the lower feeds of so many blocks are not told: see `untold_feeds`."""
-        worst = max(parts, key=lambda part: part.least).worst
+        first = max(parts, key=lambda part: part.least)
         note = f"not told of {counted(untold, 'block')} within the tolerance of a faster one" * (untold > 0)
         most = max(part.most for part in parts)
-        return cls(np.concatenate([part.ratio for part in parts]), replace(worst, note=note), most)
+        return cls(np.concatenate([part.ratio for part in parts]), first.least, replace(first.worst, note=note), most)
 
 
 def untold_feeds(toolpath: ToolPath, tolerances: Floats) -> int:

@@ -42,20 +42,21 @@ def step_check(points: SetPointSource) -> tuple[float, list[Check]]:
     """The time step [s], and whether it is the same all through (the last one may be shorter)."""
     if len(points) < 2:
         return math.nan, [Check("set-points", float(len(points)), 2.0, "", False, at_least=True, note="too few")]
-    count, last = len(points), points.times(len(points) - 2, len(points))
+    count, last = len(points), points.times(np.arange(len(points) - 2, len(points)))
     spans = [(begin, min(begin + ROWS, count - 1)) for begin in range(0, count - 1, ROWS)]
     # of blocks, so that not all times are needed at once
-    step = float(np.median([np.median(np.diff(points.times(begin, end + 1))) for begin, end in spans]))
+    step = float(np.median([np.median(np.diff(points.times(np.arange(begin, end + 1)))) for begin, end in spans]))
     sooner = bool(0.0 < last[1] - last[0] < step)
     off, worst, latest = -1.0, 0, 0.0
     for begin, end in spans:
-        t = points.times(begin, end + 1)
+        t = points.times(np.arange(begin, end + 1))
         latest = max(latest, float(np.abs(t).max()))
         here = np.abs(np.diff(t[:-1] if sooner and end == count - 1 else t) - step)
         if here.max(initial=-1.0) > off:
             off, worst = float(here.max()), begin + int(np.argmax(here))
     noise = 4.0 * EPS * latest
-    (time,), (block,) = points.times(worst, worst + 1).tolist(), points.rows(worst, worst + 1).block.tolist()
+    there = points.rows(worst, worst + 1)
+    time, block = float(there.t[0]), int(there.block[0])
     if step <= 0.0:
         return step, [Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")]
     off = max(off, 0.0)

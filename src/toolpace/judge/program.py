@@ -83,11 +83,14 @@ class JudgedProgram:
         """What takes the sections of a motion of so many steps."""
         return Sections(self.line, WITHIN, steps)
 
-    def judge(self, seen: SeenMotion, sections: Sections | None, points: SetPointSource) -> ProgramJudgement:
-        """The verdict on a motion, from its sections, or from `points`, all of it, where the tool bends."""
+    def judge(
+        self, seen: SeenMotion, sections: Sections | None, points: SetPointSource, figures: bool = False
+    ) -> ProgramJudgement:
+        """The verdict on a motion, from its sections, or from `points`, all of it, where the tool bends; `figures`:
+        with what those of a plan are judged by."""
         bending = 0.0
         if sections is not None and sections.follows:
-            parts = sections.each(lambda section: self._part(section, seen))
+            parts = sections.each(lambda section: self._part(section, seen, figures))
         else:
             if sections is None:
                 steps, motion, found, bending = self._bent(points, seen.peaks.dt)
@@ -95,7 +98,7 @@ class JudgedProgram:
                 steps, motion, found = sections.whole()
             if isinstance(found, Lost):
                 return self._lost(found, motion, steps)
-            parts = [self._part(Section(steps, motion, slice(0, len(self.line.poses)), found, True), seen)]
+            parts = [self._part(Section(steps, motion, slice(0, len(self.line.poses)), found, True), seen, figures)]
         return self._judgement(parts, seen, bending)
 
     def _bent(self, source: SetPointSource, dt: float) -> tuple[Steps, MotionRow, BothWays | Lost, float]:
@@ -116,13 +119,13 @@ class JudgedProgram:
         steps = Steps(stretches[0], points.t, points.block, np.concatenate((speed[:1], speed, speed[-1:])))
         return steps, motion, found, float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
 
-    def _part(self, section: Section, seen: SeenMotion) -> _Part:
+    def _part(self, section: Section, seen: SeenMotion, figures: bool) -> _Part:
         """What is to be said of a section."""
         part, motion, there, toolpath = section.program, section.motion, section.found.there, self.toolpath
         owner, use, depth = self.owner[part], None, None
         if np.isfinite(toolpath.feed[1:]).any():
             assert seen.tool is not None
-            use = FeedUse.of(section, toolpath, owner, seen.tool.farthest)
+            use = FeedUse.of(section, toolpath, owner, seen.tool.farthest, figures)
         if self.normals is not None:
             depth = Depth.of(section, self.line.poses[part], self.normals[part], float(self.units[0]))
         waited = self.waiting_poses[(self.waiting_poses >= part.start) & (self.waiting_poses < part.stop)]

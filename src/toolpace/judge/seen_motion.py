@@ -153,7 +153,7 @@ class Peaks:
 
 def even_rows(source: SetPointSource, dt: float) -> int:
     """How many set-points come at equal steps: all but the last one where it comes sooner."""
-    return len(source) - ends_sooner(source.times(max(len(source) - 2, 0), len(source)), dt)
+    return len(source) - ends_sooner(source.times(np.arange(max(len(source) - 2, 0), len(source))), dt)
 
 
 def ends_sooner(t: Floats, dt: float) -> bool:
@@ -381,8 +381,9 @@ class SeenMotion:
 
     def time(self, row: int) -> float:
         """When a set-point comes [s]."""
-        return float(self.source.times(row, row + 1)[0])
+        return float(self.source.times(np.array([row]))[0])
 
     def place(self, row: int) -> tuple[float, int]:
         """When a set-point comes [s], and its block."""
-        return self.time(row), int(self.source.rows(row, row + 1).block[0])
+        there = self.source.rows(row, row + 1)
+        return float(there.t[0]), int(there.block[0])

@@ -66,9 +66,9 @@ class Sampling:
     def __len__(self) -> int:
         return self._count
 
-    def times(self, begin: int, end: int) -> Floats:
-        """(k,) times of the rows from `begin` to before `end` [s]."""
-        found: Floats = self.dt * np.arange(begin, end, dtype=np.float64)
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
+        found: Floats = self.dt * rows.astype(np.float64)
         return found
 
     def rows(self, begin: int, end: int) -> SetPoints:
@@ -78,7 +78,7 @@ class Sampling:
     def at(self, rows: Ints) -> SetPoints:
         """The set-points of some rows (k,), in their order."""
         out = self._room(len(rows))
-        self._fill(out, slice(None), self.dt * rows.astype(np.float64))
+        self._fill(out, slice(None), self.times(rows))
         return SetPoints(**out, joints=self.joints)
 
     def all(self) -> SetPoints:
@@ -88,7 +88,7 @@ class Sampling:
 
         def fill(begin: int) -> None:
             end = min(begin + ROWS, len(self))
-            self._fill(out, slice(begin, end), self.times(begin, end))
+            self._fill(out, slice(begin, end), self.times(np.arange(begin, end)))
 
         Workers().each(fill, range(0, len(self), ROWS))
         return SetPoints(**out, joints=self.joints)

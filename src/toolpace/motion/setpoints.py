@@ -58,8 +58,8 @@ class SetPointSource(Protocol):
 
     def __len__(self) -> int: ...
 
-    def times(self, begin: int, end: int) -> Floats:
-        """(k,) times of the rows from `begin` to before `end` [s]."""
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""
@@ -91,6 +91,12 @@ class Block:
     def points(self) -> SetPoints:
         """Only those from `begin` to `end`."""
         return self.near.rows(self.begin - self.first, self.end - self.first)
+
+    @cached_property
+    def length(self) -> float:
+        """How far the tip goes in the steps that begin in it [m]; 0 without a tool."""
+        begin = self.begin - self.first
+        return float(self.near.tip_steps[begin : begin + self.end - self.begin].sum()) if self.near.has_tool else 0.0
 
     def columns(self, name: str, begin: int, end: int) -> Floats:
         """(m, k) columns of some rows of the motion, turned once for all parts of the block."""
@@ -160,9 +166,10 @@ class SetPoints(ByValue):
         tool = "with the tool" if self.has_tool else "without a tool"
         return one_line(self, f"{len(self)}{step}", named(self.joints), tool)
 
-    def times(self, begin: int, end: int) -> Floats:
-        """(k,) times of the rows from `begin` to before `end` [s]."""
-        return self.t[begin:end]
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
+        found: Floats = self.t[rows]
+        return found
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""

@@ -1,8 +1,7 @@
-"""Data of the report's charts: curves over time with their peaks kept, the limit that binds, the tip's way in space."""
+"""Data of the report's charts: curves over time with their peaks kept, and the limit that binds."""
 
 from __future__ import annotations
 
-import base64
 import threading
 from dataclasses import dataclass, replace
 
@@ -18,22 +17,14 @@ from toolpace.programs.toolpath import ToolPath
 
 POINTS = 40_000
 """Points of each channel in the file, and line numbers: twenty for each pixel of a wide screen."""
-_FULL = 32_000
-"""The largest value of a curve as a 16-bit integer, of 32 767: the step between two is below what a screen shows."""
-_MISSING = -32_768
-"""Stands where there is no value."""
 BINDING = 0.99
 """Share of a limit from which it is shown as binding."""
 NOTHING = -1
 """Stands where nothing binds, in place of the number of a limit."""
-STATIONS = 24_000
-"""Points of the tip's way: a browser turns so many in space without a jerk, and chords of them look like the curve."""
 COLUMNS = {"velocity": "qd", "acceleration": "qdd", "jerk": "qddd"}
 """Where the values of a panel are from."""
 SPEED, CAP = "tip speed", "feed in the program"
 """Names of the curves of what the tip does, and of what the program allows."""
-WHISKERS = 500
-"""Tool axes drawn: more would hide the way of the tip."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +43,6 @@ class Channel:
     unit: str = ""
     top: float = 0.0
     """The largest value that a stretch without one at some set-point hides."""
-
-
-def encoded(values: npt.NDArray[np.generic]) -> str:
-    """Raw little-endian bytes as text."""
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
 
 
 def tip_speed(setpoints: SetPoints) -> Floats:
@@ -109,18 +95,20 @@ def _named_curves(has_tool: bool, limits: Limits, units: list[str], toolpath: To
     return found
 
 
-def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg: float | None) -> list[Channel]:
-    """Curves of how far the path is off the program at times t (n,), as shares of the tolerances [mm], [deg]; none
-    where that is not known. The largest that was found in the piece of the path that is passed; of many times the
+def deviations(
+    trajectory: Trajectory, source: SetPointSource, tip_mm: float | None, axis_deg: float | None
+) -> list[Channel]:
+    """Curves of how far the path is off the program at set-points, as shares of the tolerances [mm], [deg]; none
+    where that is not known. The largest that was found in the piece of the path that is passed; of many the
     extremes."""
     found = [run.deviations() for run in trajectory.axis_path.runs]
     of_runs = [each for each in found if each is not None]
     if len(of_runs) < len(found) or tip_mm is None or axis_deg is None:
         return []
-    edges = stretches(len(t))
-    if len(edges) <= len(t):
-        # pieces are passed in order: those of a stretch lie between those of its ends
-        t = np.concatenate((t[edges[:-1]], t[edges[1:] - 1]))
+    edges = stretches(len(source))
+    # pieces are passed in order: those of a stretch lie between those of its ends
+    many = len(edges) <= len(source)
+    t = source.times(np.concatenate((edges[:-1], edges[1:] - 1)) if many else edges[:-1])
     s, run = trajectory.parameter(t), trajectory.run_at(t)
     piece = np.zeros(len(t), dtype=np.int64)
     pieces = 0
@@ -131,7 +119,7 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
         pieces += last + 1
     channels = []
     for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
-        off = _passed(np.concatenate([each[1 + k] for each in of_runs]), piece, len(t) // 2 == len(edges) - 1)
+        off = _passed(np.concatenate([each[1 + k] for each in of_runs]), piece, many)
         share = off * (1e6 if k == 0 else 180.0 / np.pi) / tolerance
         channels.append(Channel(name, "deviation", -1 - k, share, tolerance, unit))
     return channels
@@ -181,8 +169,8 @@ class Curves:
         self.top = 0.0
         """The largest cap."""
         self._cap = next((k for k, channel in enumerate(self.channels) if channel.name == CAP), None)
-        self.tip_steps = np.zeros(max(self.count - 1, 0) if source.has_tool else 0)
-        """(n - 1,) way of the tip in each step [m]."""
+        self.has_tool = source.has_tool
+        self._lengths: dict[int, float] = {}
         self._lock = threading.Lock()
 
     @classmethod
@@ -195,6 +183,7 @@ class Curves:
     def take(self, block: Block) -> None:
         """Look at a block."""
         values, top = self._values(block), 0.0
+        self._lengths[block.begin] = block.length
         if self._cap is not None:
             # only the cap may be none at all, which hides others of its stretch
             finite = np.isfinite(values[self._cap])
@@ -217,11 +206,8 @@ class Curves:
         """(k, rows) of each curve at the set-points of a block."""
         points, speed, begin = block.points, np.zeros(len(block.near)), block.begin - block.first
         out = np.empty((len(self.channels), len(points)))
-        if len(self.tip_steps):
-            steps = block.near.tip_steps
-            speed = _at_both_ends(steps / np.diff(block.near.t))
-            mine = steps[begin : begin + len(points)]
-            self.tip_steps[block.begin : block.begin + len(mine)] = mine
+        if block.near.has_tool and len(speed) > 1:
+            speed = _at_both_ends(block.near.tip_steps / np.diff(block.near.t))
         for row, channel in zip(out, self.channels):
             if channel.name == SPEED:
                 row[:] = speed[begin : begin + len(points)] * 60e3
@@ -233,6 +219,11 @@ class Curves:
                 np.divide(column, float(getattr(self.limits, channel.panel)[channel.joint]), out=row)
         return out
 
+    @property
+    def length(self) -> float | None:
+        """Of the way of the tip [m]; None without a tool."""
+        return sum(self._lengths[begin] for begin in sorted(self._lengths)) if self.has_tool else None
+
     def extremes(self) -> list[Channel]:
         """The curves with their values, without those of which there is none."""
         found = []
@@ -242,14 +233,6 @@ class Curves:
             if k != self._cap or self.top > 0.0:
                 found.append(replace(channel, values=values, top=self.top if k == self._cap else 0.0))
         return found
-
-    def speed_at(self, at: Ints, t: Floats) -> Floats:
-        """(k,) speed of the tip at the set-points `at`, where all come at the times t (n,) [m/s]."""
-        if not len(self.tip_steps):
-            return np.zeros(len(at))
-        before, behind = np.maximum(at - 1, 0), np.minimum(at, len(self.tip_steps) - 1)
-        speeds = (self.tip_steps[each] / (t[each + 1] - t[each]) for each in (before, behind))
-        return np.asarray(0.5 * sum(speeds))
 
 
 def extremes(values: Floats, most: int = POINTS) -> Floats:
@@ -261,32 +244,6 @@ def extremes(values: Floats, most: int = POINTS) -> Floats:
     low = np.minimum.reduceat(values, edges[:-1])
     high = np.maximum.reduceat(values, edges[:-1])
     return _in_order(low, high, values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])])
-
-
-def packed(channel: Channel) -> dict[str, object]:
-    """A channel for the page: 16-bit integers times a scale; a gap where there is no value."""
-    values = channel.values
-    finite = np.isfinite(values)
-    top = max(float(np.abs(values[finite]).max()), channel.top) if finite.any() else 1.0
-    scale = max(top, 1e-12) / _FULL
-    small = extremes(np.where(finite, values / scale, np.inf))
-    whole = np.where(np.isfinite(small), np.round(np.where(np.isfinite(small), small, 0.0)), _MISSING)
-    return {
-        "name": channel.name,
-        "panel": channel.panel,
-        "joint": channel.joint,
-        "scale": scale,
-        "peak": channel.peak,
-        "unit": channel.unit,
-        "top": top,
-        "data": encoded(whole.astype("<i2")),
-    }
-
-
-def blocks_over_time(setpoints: SetPointSource, most: int = POINTS) -> dict[str, object]:
-    """Line numbers over time, for the texts that a pointer calls up."""
-    at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
-    return {"data": encoded(setpoints.at(at).block.astype("<i4"))}
 
 
 def limit_names(joints: tuple[str, ...]) -> list[str]:
@@ -319,44 +276,3 @@ def _feed_share(trajectory: Trajectory, t: Floats) -> Floats:
             local <= law.duration, speed / axis_run.speed_cap(np.clip(s, axis_run.s0, axis_run.s1)), 0.0
         )
     return share
-
-
-def stations(tip_steps: Floats, most: int = STATIONS) -> Ints:
-    """Set-points to draw, where the tip goes so far (n - 1,) between them: as many in equal steps of time as in equal
-    steps of length, so that neither slow corners nor fast moves turn into polygons."""
-    n = len(tip_steps) + 1
-    if n <= most:
-        return np.arange(n)
-    length = np.concatenate(([0.0], np.cumsum(tip_steps)))
-    measure = np.arange(n) / (n - 1) + length / max(float(length[-1]), 1e-30)
-    at = np.searchsorted(measure, np.linspace(0.0, measure[-1], most))
-    found: Ints = np.unique(np.clip(at, 0, n - 1))
-    return found
-
-
-def scene_data(points: SetPoints, speed: Floats, limiting: Ints, cap: Floats | None) -> dict[str, object]:
-    """Data of the picture: tip [mm], speed (k,) [mm/min], what binds (k,), block, and the whiskers, at some set-points
-    (k,) with a cap of the feed (k,)."""
-    tip = points.tip * 1e3
-    # Rapids would take the whole range of colours; it belongs to the cut.
-    cutting = np.isfinite(cap) if cap is not None else np.ones(len(tip), dtype=bool)
-    top = float(speed[cutting].max()) if cutting.any() else float(speed.max())
-    size = float(np.sqrt(((tip.max(axis=0) - tip.min(axis=0)) ** 2).sum()))
-    moved = np.concatenate(([0.0], np.cumsum(np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1)))))
-    turned = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(points.axis, axis=0) ** 2).sum(axis=1)))))
-    measure = moved / max(moved[-1], 1e-12) + 0.5 * turned / max(turned[-1], 1e-12)
-    some = np.unique(np.clip(np.searchsorted(measure, np.linspace(0.0, measure[-1], WHISKERS)), 0, len(tip) - 1))
-    whiskers = np.full((len(some), 3, 3), np.nan)
-    whiskers[:, 0] = tip[some]
-    whiskers[:, 1] = tip[some] + points.axis[some] * max(0.07 * size, 1.0)
-    return {
-        "x": encoded(tip[:, 0].astype("<f4")),
-        "y": encoded(tip[:, 1].astype("<f4")),
-        "z": encoded(tip[:, 2].astype("<f4")),
-        "speed": encoded(speed.astype("<f4")),
-        "top": max(top, 1e-9),
-        "limiting": encoded(limiting.astype("<i2")),
-        "block": encoded(points.block.astype("<i4")),
-        "t": encoded(points.t.astype("<f4")),
-        "whiskers": [encoded(whiskers[:, :, k].ravel().astype("<f4")) for k in range(3)],
-    }
