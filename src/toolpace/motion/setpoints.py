@@ -23,13 +23,13 @@ ROWS = 1 << 15
 """Rows of a block: what is worked on at once stays in the cache of a core."""
 REACH = 4
 """Rows before and behind a block that come with it, for differences."""
-COPIES, STREAMED_COPIES = 3, 2
+COPIES, STREAMED_COPIES = 3.0, 0.1
 """How often as much memory as set-points take is needed at once, to sample, judge and draw them: where all of them are
-held, and where each block is let go (2.3 and 1.4 were measured of 40 minutes)."""
+held (2.3 was measured of 40 minutes), and where each block is let go (0.02 of 3 and of 11 million)."""
 
 
 def refuse_too_many(
-    duration: float, dt: float, joints: int, what: str = "the motion takes", copies: int = COPIES
+    duration: float, dt: float, joints: int, what: str = "the motion takes", copies: float = COPIES
 ) -> None:
     """Raise UsageError where so many `copies` of set-points every `dt` [s] of a `duration` [s] would not fit into
     memory."""
