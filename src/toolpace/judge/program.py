@@ -116,7 +116,7 @@ class JudgedProgram:
         else:
             found = align(motion.poses, self.line.poses, WITHIN, motion.allowance, self.line.room)
         speed = way_lengths(points, tip, axis) / np.diff(points.t)
-        steps = Steps(stretches[0], points.t, points.block, np.concatenate((speed[:1], speed, speed[-1:])))
+        steps = Steps(stretches[0], points.t, points.block.copy(), np.concatenate((speed[:1], speed, speed[-1:])))
         return steps, motion, found, float(np.sqrt(((there - tip) ** 2).sum(axis=1)).max())
 
     def _part(self, section: Section, seen: SeenMotion, figures: bool) -> _Part:

@@ -62,7 +62,8 @@ class Steps(NamedTuple):
         speed = way / np.diff(block.times(before, behind + 1))
         speed = np.pad(speed, (int(before == begin), int(behind == end)), "edge")
         own = slice(begin - block.first, end + 1 - block.first)
-        return cls(stretch, block.near.t[own], block.near.block[own], speed)
+        # kernels are compiled for numbers that may be written to
+        return cls(stretch, block.near.t[own], block.near.block[own].copy(), speed)
 
 
 @dataclass(frozen=True)
