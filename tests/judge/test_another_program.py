@@ -9,7 +9,7 @@ import pytest
 
 from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
-from toolpace.judge import alignment, program, verify
+from toolpace.judge import alignment, sections, verify
 from toolpace.programs.toolpath import no_rapids
 
 POINTS = motions.set_points()
@@ -60,7 +60,8 @@ def test_what_is_not_found_in_order_fails_however_near_each_place_is(monkeypatch
         found.append(replace(alignment.align(*given), deviations=((3, 1.001), (300, 1.002))))
         return found[-1]
 
-    monkeypatch.setattr(program, "align", widened)
+    monkeypatch.setattr(sections.Sections, "follows", False)
+    monkeypatch.setattr(sections, "align", widened)
     (wrong,) = verify(POINTS, model, PROGRAM).findings
     assert wrong.what == "tip, in order" and wrong.value == pytest.approx(1.002 * 10e-6)
     assert 0.0 < wrong.time <= POINTS.t[300]

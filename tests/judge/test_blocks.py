@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support import motions
+from tests.support.walks import AXIS, TIP, random_walk, set_points
 from toolpace.judge import motion_judge, seen_motion, verify
 from toolpace.judge.seen_motion import WINDOW, Largest, each_block
 from toolpace.motion.setpoints import Block
@@ -69,6 +70,30 @@ def test_of_any_number_of_set_points_none_is_left_out(count, monkeypatch):
     whole, parts = judged(points, monkeypatch, 1 << 30), judged(points, monkeypatch, WINDOW)
     assert {check.what for check in parts.findings} >= ({"set-points"} if count == 1 else {"velocity", "tip column"})
     assert all(same(astuple(a), astuple(b)) for a, b in zip(whole.checks, parts.checks, strict=True))
+
+
+@pytest.mark.parametrize("seed", [1, 3, 5, 9, 13])
+@pytest.mark.parametrize("wrong", ["feed", "block", "tolerance"])
+def test_walks_with_stops_and_dwells_come_out_alike_in_any_sections(seed, wrong, monkeypatch):
+    """Right ones, and such as are too fast, name another block, or leave the program."""
+    program, walk, r = random_walk(seed)
+    points, machine = set_points(walk)
+    if wrong == "feed":
+        program = replace(program, feed=0.7 * program.feed)
+    if wrong == "block":
+        block = np.array(points.block)
+        block[int(r.integers(len(block)))] = int(block[-1]) + 1
+        points = replace(points, block=block)
+    tolerance = 0.1 * TIP if wrong == "tolerance" else TIP
+    found = []
+    for rows in (1 << 30, WINDOW):
+        monkeypatch.setattr(seen_motion, "ROWS", rows)
+        found.append(verify(points, machine, program, tolerance, AXIS))
+    assert len(points) > WINDOW
+    assert all(same(astuple(a), astuple(b)) for a, b in zip(*(each.checks for each in found), strict=True))
+    assert wrong == "tolerance" or {"feed": "feed", "block": "block column"}[wrong] in {
+        check.what for check in found[0].findings
+    }
 
 
 def test_the_order_in_which_blocks_come_says_nothing():

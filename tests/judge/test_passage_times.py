@@ -86,7 +86,7 @@ def test_the_use_of_the_feed_is_bounded_from_both_sides():
     program = replace(PROGRAM, feed=10.0 * PROGRAM.feed)
     judge = motion_judge(POINTS, FREE, program, TIP, AXIS)
     judge.take(Block.of(POINTS, 0, len(POINTS)))
-    use = judge.judged()[1].feed_use
+    use = judge.judged(figures=True)[1].feed_use
     assert 0.0999 < use.least <= 0.1000001 <= use.most < 0.11
     waits = np.abs(np.diff(POINTS.q, axis=0)).max(axis=1) == 0.0
     assert waits.any() and (use.ratio[waits] == 0.0).all()

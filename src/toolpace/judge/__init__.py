@@ -22,6 +22,7 @@ from toolpace.judge.figures import Figures
 from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, step_check
 from toolpace.judge.program import JudgedProgram, ProgramJudgement
 from toolpace.judge.rows import Stretch
+from toolpace.judge.sections import Sections, Steps
 from toolpace.judge.seen_motion import (
     ORDERS,
     BlockPeaks,
@@ -41,7 +42,7 @@ from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.motion.setpoints import REACH, Block, SetPoints, SetPointSource
+from toolpace.motion.setpoints import REACH, ROWS, Block, SetPoints, SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
 
@@ -112,7 +113,7 @@ def verify_plan(
     Each figure is recomputed, or held against the others where only the planner can know it (judge/figures.py says
     which). Raises UsageError as `verify` does.
     """
-    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
+    found, judged = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet, figures=True)
     if judged is None:
         return found
     checks = Figures(figures, points, machine, toolpath, found, judged.feed_use, judged.passages).checks()
@@ -127,12 +128,13 @@ def _judged(
     axis_tolerance: float | Tolerances,
     tool: CuttingTool | None,
     sheet: str,
+    figures: bool = False,
 ) -> tuple[Verification, ProgramJudgement | None]:
     """The verdict, and what the program has to say; None where the set-points are too bad to go on."""
     judge = motion_judge(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)
     if len(points):
         each_block(lambda begin, end: judge.take(Block.of(points, begin, end)), len(points))
-    return judge.judged()
+    return judge.judged(figures)
 
 
 def motion_judge(
@@ -171,7 +173,6 @@ class _Notes(NamedTuple):
     jerks: JerkWindows
     tool: BlockTool | None
     still: StillSteps
-    stretch: Stretch | None
 
 
 class MotionJudge:
@@ -184,18 +185,19 @@ class MotionJudge:
         self.source, self.program, self.sheet = source, program, sheet
         self.machine = machine if isinstance(machine, Machine) else None
         self.limits = machine if isinstance(machine, Limits) else machine.limits
-        self.block = np.empty(len(source), dtype=np.int64)
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
         self._taken = 0
-        finite = len(source) > 0 and bool(np.isfinite(source.t).all())
+        count = len(source)
+        begins = range(0, count, ROWS)
+        finite = count > 0 and all(_finite(source.times(np.arange(k, min(k + ROWS, count)))) for k in begins)
         self.step, self._steps = step_check(source) if finite else (math.nan, [])
         self._goes_on = finite and self._steps[0].ok
-
-    @cached_property
-    def _even(self) -> int:
-        return even_rows(self.source.t, self.step)
+        self._even = even_rows(source, self.step) if self._goes_on else 0
+        self._sections: Sections | None = None
+        if self._goes_on and program is not None and program.bent is None:
+            self._sections = program.sections(count - 1)
 
     @cached_property
     def _tool_lengths(self) -> Floats:
@@ -211,7 +213,6 @@ class MotionJudge:
         if not all(_finite(getattr(near, name)) for name in COLUMNS):
             self._note_bad(block)
             return
-        self.block[block.begin : block.end] = block.points.block
         if not self._goes_on:
             return
         for begin in range(block.begin, block.end, seen_motion.ROWS):
@@ -220,28 +221,27 @@ class MotionJudge:
     def _look(self, block: Block, begin: int, end: int) -> None:
         """Note what is to be said of the rows from `begin` to `end` of a block."""
         behind, jumpy, limits = min(end, block.of_all - 1), jumpy_joints(self.limits), self.limits
-        tool = stretch = None
+        tool = None
         if self.machine is not None:
             first = max(begin - REACH, block.first)
             rows = slice(first - block.first, end + REACH - block.first)
             q, lengths = block.near.q[rows], block.near.tool_length[rows]
             tip, axis = self.machine.forward(q, lengths if len(lengths) else None)
             tool = BlockTool.of(block, begin, end, tip, axis, first, self._tool_lengths)
-            if self.program is not None and self.program.bent is None and behind > begin:
+            if self._sections is not None and self.program is not None and behind > begin:
                 poses = self.program.poses(tip, axis)
                 stretch = Stretch.of(block, poses, first, limits, self.step, begin, behind)
+                self._sections.take(Steps.of(block, stretch, tip, axis, first, behind))
         self._notes[begin] = _Notes(
             BlockPeaks.of(block, begin, end, self._even),
             largest_misfits(block, begin, behind, jumpy),
             JerkWindows.of(block, begin, behind, np.flatnonzero(~jumpy)),
             tool,
             StillSteps.of(block, begin, behind, limits, self.step),
-            stretch,
         )
 
     def _note_bad(self, block: Block) -> None:
         """Keep the first number of each column that is none."""
-        self.block[block.begin : block.end] = block.points.block
         for name in COLUMNS:
             bad = np.argwhere(~np.isfinite(getattr(block.points, name)))
             if len(bad):
@@ -250,8 +250,9 @@ class MotionJudge:
                 with self._lock:
                     self._bad[name] = min(place, self._bad.get(name, place))
 
-    def judged(self) -> tuple[Verification, ProgramJudgement | None]:
-        """The verdict, and what the program has to say; None where the set-points are too bad to go on.
+    def judged(self, figures: bool = False) -> tuple[Verification, ProgramJudgement | None]:
+        """The verdict, and what the program has to say; None where the set-points are too bad to go on. `figures`: with
+        what those of a plan are judged by.
 
         Raises ValueError where it has not taken each set-point once: what was not seen would count as good.
         """
@@ -263,8 +264,7 @@ class MotionJudge:
             return Verification((first,), math.nan, count), None
         if not self._goes_on:
             return Verification(tuple(self._steps), self.step, count), None
-        stretches: list[Stretch] = []
-        seen, machine, program = self._seen(stretches), self.machine, self.program
+        seen, machine, program = self._seen(), self.machine, self.program
         units = [""] * len(seen.joints)
         if machine is not None:
             units = ["rad" if rotary else "m" for rotary in machine.is_rotary]
@@ -275,15 +275,14 @@ class MotionJudge:
             checks += self._names(machine) + tool_checks(seen, machine)
             if program is not None:
                 checks += length_checks(seen, machine, program.toolpath, tool_table(self.sheet))
-                judged = program.judge(seen, stretches, self.source)
+                judged = program.judge(seen, self._sections, self.source, figures)
                 checks += judged.checks
         deviations = judged.tip_deviation, judged.axis_deviation
         return Verification(tuple(checks), self.step, count, *deviations, judged.bending), judged
 
-    def _seen(self, stretches: list[Stretch]) -> SeenMotion:
-        """All notes as one, and the stretches."""
+    def _seen(self) -> SeenMotion:
+        """All notes as one."""
         notes, count, source = [self._notes.pop(begin) for begin in sorted(self._notes)], len(self.source), self.source
-        stretches += [each.stretch for each in notes if each.stretch is not None]
         of_q, of_qd = zip(*(each.misfits for each in notes))
         ending = source.rows(max(count - 1 - ORDERS[-1], 0), count)
         tools = [each.tool for each in notes if each.tool is not None]
@@ -291,8 +290,8 @@ class MotionJudge:
         if tools:
             tool = BlockTool.of_all(tools)
         return SeenMotion(
-            source.joints, source.t, self.block, source.rows(0, 2), ending,
-            Peaks.of_all([each.peaks for each in notes], source.t, ending.q, self.step),
+            source, source.rows(0, 2), ending,
+            Peaks.of_all([each.peaks for each in notes], count, self._even, ending, self.step),
             (Largest.of_all(of_q), Largest.of_all(of_qd)), JerkWindows.of_all([each.jerks for each in notes]),
             StillSteps(*(np.concatenate(each) for each in zip(*(each.still for each in notes)))), tool,
         )  # fmt: skip
@@ -300,7 +299,8 @@ class MotionJudge:
     def _beyond(self, order: int, joint: int) -> tuple[float, int]:
         """Largest difference of an order and a joint beyond rounding near poles, and where."""
         q, rounding = self._rounded
-        return difference_beyond_rounding(q[:, joint], self.source.t, order, self.step, rounding[:, joint])
+        t = self.source.times(np.arange(len(q)))
+        return difference_beyond_rounding(q[:, joint], t, order, self.step, rounding[:, joint])
 
     @cached_property
     def _rounded(self) -> tuple[Floats, Floats]:
@@ -326,7 +326,8 @@ class MotionJudge:
             if name in self._bad:
                 row, column = self._bad[name]
                 joint = self.source.joints[column] if name in ("q", "qd", "qdd", "qddd") else ""
-                time, block = float(self.source.t[row]), int(self.block[row])
+                place = self.source.rows(row, row + 1)
+                time, block = float(place.t[0]), int(place.block[0])
                 note = f"set-point {row}: {name} is not a number"
                 return Check("set-points", math.nan, 0.0, "", False, time, block, joint, note)
         return None

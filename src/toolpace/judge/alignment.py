@@ -89,7 +89,7 @@ def align(
     motion that are not set-points. Time is linear in n + m where both belong together, and bounded by a multiple of
     it where they do not.
     """
-    room, none = _no_room(program) if room is None else room, _no_room(motion)
+    room, none = no_room(program) if room is None else room, no_room(motion)
     sweep = Sweep(motion, none, Line(program, np.zeros(len(program)), room), within + allowance)
     try:
         deviations = _follow(sweep, motion, LEAST_WORK + WORK * (len(motion) + len(program)))
@@ -220,31 +220,48 @@ class _Repair:
 
 def _finish(sweep: Sweep) -> Alignment:
     """The places from which the end is reached too, and the nearest of them."""
-    from toolpace.kernels.judge.matching import both_ways, nearest
-
-    n, line = len(sweep.rows), sweep.line
-    turned = Sweep(
-        _turned(sweep.rows), _turned(sweep.room), Line(*map(_turned, (line.poses, line.extra, line.room))),
-        _turned(sweep.radius) + ROUNDING,
-    )  # fmt: skip
+    n, turned = len(sweep.rows), turned_sweep(sweep)
     if turned.run(-1, n - 1) < n - 1:
         raise AssertionError("a way that leads there leads back")
-    begin, room = np.empty(n + 1, dtype=np.int64), len(sweep.low)
-    from_end, end_low, end_high = turned.begin, turned.low, turned.high
-    # of a long motion its poses take more memory than all places
-    del turned
+    return nearest_places(sweep.rows, sweep.room, sweep.line.poses, sweep.line.room, common_places(sweep, turned))
+
+
+def turned_sweep(sweep: Sweep, line: Line | None = None) -> Sweep:
+    """A sweep of the same rows from the end on; `line` is the same line turned round, where that is there already."""
+    line = turned_line(sweep.line) if line is None else line
+    return Sweep(_turned(sweep.rows), _turned(sweep.room), line, _turned(sweep.radius) + ROUNDING)
+
+
+def turned_line(line: Line) -> Line:
+    """A line from its end on."""
+    return Line(*map(_turned, (line.poses, line.extra, line.room)))
+
+
+def common_places(sweep: Sweep, turned: Sweep) -> tuple[Ints, Floats, Floats]:
+    """Begin, low and high, as in `Alignment`, of the places of a sweep that are those of the turned one, too."""
+    from toolpace.kernels.judge.matching import both_ways
+
+    begin, room = np.empty(len(sweep.rows) + 1, dtype=np.int64), len(sweep.low)
     while True:
         low, high = np.empty(room), np.empty(room)
         count = both_ways(
-            sweep.begin, sweep.low, sweep.high, from_end, end_low, end_high, float(line.last), begin, low, high,
+            sweep.begin, sweep.low, sweep.high, turned.begin, turned.low, turned.high, float(sweep.line.last),
+            begin, low, high,
         )  # fmt: skip
         if count <= room:
-            break
+            return begin, low[:count], high[:count]
         room = int(count)
-    del from_end, end_low, end_high
-    place, tip, axis = np.zeros(n), np.full(n, np.inf), np.full(n, np.inf)
-    nearest(sweep.rows, room_at_poses(sweep.room), line.poses, line.room, begin, low, high, place, tip, axis)
-    return Alignment(begin, low, high, place, tip, axis)
+
+
+def nearest_places(
+    rows: Floats, room: Floats, line: Floats, line_room: Floats, places: tuple[Ints, Floats, Floats]
+) -> Alignment:
+    """Places on a line (m, 6) of a row of poses (n, 6), and the nearest of each pose; what has none is at infinity."""
+    from toolpace.kernels.judge.matching import nearest
+
+    place, tip, axis = np.zeros(len(rows)), np.full(len(rows), np.inf), np.full(len(rows), np.inf)
+    nearest(rows, room_at_poses(room), line, line_room, *places, place, tip, axis)
+    return Alignment(*places, place, tip, axis)
 
 
 def room_at_poses(room: Floats) -> Floats:
@@ -262,5 +279,6 @@ def _turned(values: Floats) -> Floats:
     return np.ascontiguousarray(values[::-1]) if values.any() else np.zeros(values.shape)
 
 
-def _no_room(poses: Floats) -> Floats:
+def no_room(poses: Floats) -> Floats:
+    """(n - 1, 2) of a row of poses (n, 6) whose ways have no room of their own."""
     return np.zeros((max(len(poses) - 1, 1), 2))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -13,7 +14,7 @@ from toolpace.common.value_objects import counted
 from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
-from toolpace.judge.seen_motion import SeenMotion
+from toolpace.judge.sections import Section
 from toolpace.judge.verification import Check
 from toolpace.programs.toolpath import ToolPath
 
@@ -24,59 +25,44 @@ Number = TypeVar("Number", np.float64, np.int64)
 class FeedUse:
     """The speed of the tip over the feeds of the blocks that it can be in."""
 
-    speed: Floats
-    """(n - 1,) mean speed of each step [m/s]."""
-    cap: Floats
-    """(n - 1,) largest feed that may hold [m/s]."""
-    noise: Floats
-    """(n - 1,) rounding of the speed [m/s]."""
+    ratio: Floats
+    """(steps,) mean speed over the largest feed that may hold, at least; none where the figures of a plan are not
+    judged by it."""
+    least: float
+    """The largest of all: the feed is used to this share at least."""
+    worst: Check
+    """The step where it is so."""
     most: float
     """Highest speed over the least feed that may hold, with what may hide between set-points."""
-    untold: int = 0
-    """Blocks whose lower feed is not told from those beside them: see `untold_feeds`."""
 
-    @property
-    def ratio(self) -> Floats:
-        """(n - 1,) speed over the largest feed, at least."""
-        found: Floats = np.where(np.isfinite(self.cap), (self.speed - self.noise) / self.cap, 0.0)
-        return found
+    @classmethod
+    def of(cls, section: Section, toolpath: ToolPath, owner: Ints, farthest: float, figures: bool) -> FeedUse:
+        """That of a section, whose poses of the program belong to the points `owner` (m,); `farthest` [m] is the
+        largest coordinate of the tip without sign."""
+        speed, steps = section.steps.speed, np.diff(section.steps.t)
+        noise = 8.0 * float(np.finfo(np.float64).eps) * max(farthest, 1.0) / steps
+        cap = _largest(toolpath.feed, section.motion, section.found.there, owner)
+        with np.errstate(divide="ignore"):
+            slowest = _largest(1.0 / toolpath.feed, section.motion, section.found.there, owner)
+        # Within a step the speed changes by no more than half of what it does to the next.
+        change = np.abs(np.diff(speed))
+        change, speed = np.maximum(change[:-1], change[1:]), speed[1:-1]
+        moving = np.isfinite(slowest)
+        most = float(((speed + change)[moving] * slowest[moving]).max(initial=0.0))
+        ratio = np.where(np.isfinite(cap), (speed - noise) / cap, 0.0)
+        k = int(np.argmax(ratio))
+        time, block = float(section.steps.t[k]), int(section.steps.block[k + 1])
+        ok = bool(ratio[k] <= 1.0 + TOLERANCE)
+        worst = Check("feed", float(speed[k]), float(cap[k]), "m/s", ok, time, block, noise=float(noise[k]))
+        return cls(ratio if figures else np.empty(0), max(float(ratio[k]), 0.0), worst, most)
 
-    @property
-    def least(self) -> float:
-        """The largest of them: the feed is used to this share at least."""
-        return float(self.ratio.max(initial=0.0))
-
-    def check(self, seen: SeenMotion) -> Check:
-        """The speed of the tip against the largest feed of the blocks that it can be in, in order."""
-        over = self.ratio
-        k = int(np.argmax(over))
-        ok = bool(over[k] <= 1.0 + TOLERANCE)
-        time, block = float(seen.t[k]), int(seen.block[k + 1])
-        speed, cap = float(self.speed[k]), float(self.cap[k])
-        note = f"not told of {counted(self.untold, 'block')} within the tolerance of a faster one" * (self.untold > 0)
-        return Check("feed", speed, cap, "m/s", ok, time, block, note=note, noise=float(self.noise[k]))
-
-
-def feed_use(
-    seen: SeenMotion, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints, tolerances: Floats
-) -> FeedUse | None:
-    """How fast the tip goes for the feeds of the program; None where it has none. `tolerances` (p, 2) of tip [m] and
-    axis [rad] on the way to each of its points."""
-    if not np.isfinite(toolpath.feed[1:]).any():
-        return None
-    assert seen.tool is not None
-    steps = np.diff(seen.t)
-    speed = seen.tool.lengths / steps
-    noise = 8.0 * float(np.finfo(np.float64).eps) * max(seen.tool.farthest, 1.0) / steps
-    cap = _largest(toolpath.feed, motion, there, owner)
-    with np.errstate(divide="ignore"):
-        slowest = _largest(1.0 / toolpath.feed, motion, there, owner)
-    # Within a step the speed changes by no more than half of what it does to the next.
-    change = np.abs(np.diff(speed, prepend=speed[0]))
-    change = np.maximum(change, np.append(change[1:], 0.0))
-    moving = np.isfinite(slowest)
-    most = float(((speed + change)[moving] * slowest[moving]).max(initial=0.0))
-    return FeedUse(speed, cap, noise, most, untold_feeds(toolpath, tolerances))
+    @classmethod
+    def of_all(cls, parts: Sequence[FeedUse], untold: int) -> FeedUse:
+        """That of all sections, where the lower feeds of so many blocks are not told: see `untold_feeds`."""
+        first = max(parts, key=lambda part: part.least)
+        note = f"not told of {counted(untold, 'block')} within the tolerance of a faster one" * (untold > 0)
+        most = max(part.most for part in parts)
+        return cls(np.concatenate([part.ratio for part in parts]), first.least, replace(first.worst, note=note), most)
 
 
 def untold_feeds(toolpath: ToolPath, tolerances: Floats) -> int:
@@ -112,23 +98,44 @@ def _largest(value: Floats, motion: MotionRow, there: Alignment, owner: Ints) ->
     return found
 
 
-def block_check(seen: SeenMotion, toolpath: ToolPath, motion: MotionRow, there: Alignment, owner: Ints) -> list[Check]:
-    """Whether the block of each set-point is one of those that it can be in."""
-    from toolpace.kernels.judge.matching import named
+@dataclass(frozen=True)
+class WrongBlocks:
+    """Set-points that name a block that they cannot be in."""
 
-    start, block = _stretches(owner, toolpath.block)
-    found = np.zeros(len(seen.block), dtype=bool)
-    row = motion.row
-    begin, low, high = _of_setpoints(there, row)
-    named(begin, low, high, start, block, seen.block, found)
-    wrong = int(len(found) - found.sum())
-    if not wrong:
-        return [Check("block column", 0.0, 0.0, "", True, note="every set-point is in its block")]
-    k = int(np.argmin(found))
-    place = int(there.place[row[k]])
-    right = int(toolpath.block[owner[min(place + 1, len(owner) - 1)]])
-    note = f"{wrong} set-points name a block that they are not in; the first says {seen.block[k]}, it is in {right}"
-    return [Check("block column", float(wrong), 0.0, "", False, float(seen.t[k]), right, note=note)]
+    count: int
+    time: float
+    """When the first of them comes [s]."""
+    said: int
+    right: int
+    """Which block it names, and in which it is."""
+
+    @classmethod
+    def of(cls, section: Section, toolpath: ToolPath, owner: Ints) -> WrongBlocks:
+        """Those of a section, whose poses of the program belong to the points `owner` (m,)."""
+        from toolpace.kernels.judge.matching import named
+
+        there, row = section.found.there, section.motion.row
+        row = row[: section.own(len(row))]
+        said = section.steps.block[: len(row)]
+        start, block = _stretches(owner, toolpath.block)
+        found = np.zeros(len(row), dtype=bool)
+        named(*_of_setpoints(there, row), start, block, said, found)
+        k = int(np.argmin(found))
+        right = int(toolpath.block[owner[min(int(there.place[row[k]]) + 1, len(owner) - 1)]])
+        return cls(len(found) - int(found.sum()), float(section.steps.t[k]), int(said[k]), right)
+
+    @staticmethod
+    def check(parts: Sequence[WrongBlocks]) -> Check:
+        """Whether the block of each set-point is one of those that it can be in, in all sections."""
+        wrong = sum(part.count for part in parts)
+        if not wrong:
+            return Check("block column", 0.0, 0.0, "", True, note="every set-point is in its block")
+        first = next(part for part in parts if part.count)
+        note = (
+            f"{wrong} set-points name a block that they are not in; "
+            f"the first says {first.said}, it is in {first.right}"
+        )
+        return Check("block column", float(wrong), 0.0, "", False, first.time, first.right, note=note)
 
 
 def _of_setpoints(there: Alignment, row: Ints) -> tuple[Ints, Floats, Floats]:

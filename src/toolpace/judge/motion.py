@@ -11,7 +11,7 @@ from toolpace.common.arrays import Bools, Ints
 from toolpace.judge.seen_motion import EPS, WINDOW, SeenMotion, still_step
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
-from toolpace.motion.setpoints import SetPointSource
+from toolpace.motion.setpoints import ROWS, SetPointSource
 
 TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""
@@ -42,19 +42,26 @@ def step_check(points: SetPointSource) -> tuple[float, list[Check]]:
     """The time step [s], and whether it is the same all through (the last one may be shorter)."""
     if len(points) < 2:
         return math.nan, [Check("set-points", float(len(points)), 2.0, "", False, at_least=True, note="too few")]
-    steps = np.diff(points.t)
-    step = float(np.median(steps))
-    even = steps[:-1] if 0.0 < steps[-1] < step else steps
-    off = np.abs(even - step) if len(even) else np.zeros(1)
-    worst = int(np.argmax(off))
-    noise = 4.0 * EPS * float(np.abs(points.t).max())
-    ok = bool(step > 0.0 and off[worst] <= EVENNESS * abs(step) + noise)
-    time, block = float(points.t[worst]), int(points.rows(worst, worst + 1).block[0])
+    count, last = len(points), points.times(np.arange(len(points) - 2, len(points)))
+    spans = [(begin, min(begin + ROWS, count - 1)) for begin in range(0, count - 1, ROWS)]
+    # of blocks, so that not all times are needed at once
+    step = float(np.median([np.median(np.diff(points.times(np.arange(begin, end + 1)))) for begin, end in spans]))
+    sooner = bool(0.0 < last[1] - last[0] < step)
+    off, worst, latest = -1.0, 0, 0.0
+    for begin, end in spans:
+        t = points.times(np.arange(begin, end + 1))
+        latest = max(latest, float(np.abs(t).max()))
+        here = np.abs(np.diff(t[:-1] if sooner and end == count - 1 else t) - step)
+        if here.max(initial=-1.0) > off:
+            off, worst = float(here.max()), begin + int(np.argmax(here))
+    noise = 4.0 * EPS * latest
+    there = points.rows(worst, worst + 1)
+    time, block = float(there.t[0]), int(there.block[0])
     if step <= 0.0:
         return step, [Check("time step", math.nan, 0.0, "s", False, time, block, note="time does not run forward")]
-    return step, [
-        Check("unevenness of the time step", float(off[worst]), EVENNESS * step, "s", ok, time, block, noise=noise)
-    ]
+    off = max(off, 0.0)
+    ok = off <= EVENNESS * step + noise
+    return step, [Check("unevenness of the time step", off, EVENNESS * step, "s", ok, time, block, noise=noise)]
 
 
 def position_noise(position: float, time: float, speed: float) -> float:
@@ -179,7 +186,7 @@ def jerk_columns(seen: SeenMotion, judged: Ints, units: Sequence[str]) -> list[C
     A column of another motion, of no motion, or turned round, is off by all of the jerk.
     """
     windows, peaks = seen.jerks, seen.peaks
-    if len(seen.t) < 3 or not len(judged):
+    if len(seen) < 3 or not len(judged):
         return []
     mean_jerk = peaks.mean_jerk[judged, None]
     noise = COLUMN_ROUNDING * (peaks.columns[1].value[judged, None] * windows.rate + mean_jerk * windows.steps)

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import printable
-from toolpace.judge.alignment import Alignment
 from toolpace.judge.motion import TOLERANCE
-from toolpace.judge.rows import MotionRow
+from toolpace.judge.sections import Section
 from toolpace.judge.seen_motion import SeenMotion, still_step
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check
@@ -35,28 +34,28 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Passing:
-    """Places of the motion at which each point of the program can be passed, in order."""
+    """When the motion can pass the points of the program, in order, and between which set-points it can be at those
+    that it waits at."""
 
     seen: SeenMotion
     toolpath: ToolPath
-    motion: MotionRow
-    back: Alignment
-    line: Ints
-    """Pose of the program's line that each program point is."""
+    early: Floats
+    """(p,) the earliest time of each point [s]."""
+    late: Floats
+    """(p,) the latest one [s]."""
+    stays: Mapping[int, Floats]
+    """(k, 2) of each point that `waiting` names, in steps from set-point to set-point and shares of them."""
 
     def passages(self) -> Passages:
         """Between which times each point can be passed, in order."""
-        early = self.motion.times(self.back.first[self.line], latest=False)
-        late = self.motion.times(self.back.last[self.line], latest=True)
-        return Passages(np.maximum.accumulate(early), np.minimum.accumulate(late[::-1])[::-1])
+        return Passages(np.maximum.accumulate(self.early), np.minimum.accumulate(self.late[::-1])[::-1])
 
     def least_times(self, dt: float) -> list[Check]:
         """Any stretch of whole blocks takes at least the sum of their least times: the worst one is a drawdown."""
         least = np.where(np.isfinite(self.toolpath.least_time), self.toolpath.least_time, 0.0)
         if not (least > 0.0).any():
             return []
-        early = self.motion.times(self.back.first[self.line], latest=False)
-        late = self.motion.times(self.back.last[self.line], latest=True)
+        early, late = self.early, self.late
         due = np.cumsum(least)
         ahead = np.maximum.accumulate(early - due)
         short = ahead[:-1] - (late[1:] - due[1:])
@@ -73,10 +72,7 @@ class Passing:
 
     def stops(self, machine: Machine, dt: float) -> list[Check]:
         """At each program point with a stop a step of rest; at each dwell enough without motion, one after another."""
-        dwell = self.toolpath.dwell
-        waiting = self.toolpath.stop | (dwell > 0.0)
-        waiting[[0, -1]] = dwell[[0, -1]] > 0.0
-        stops = np.flatnonzero(waiting)
+        dwell, stops = self.toolpath.dwell, waiting(self.toolpath)
         if not len(stops):
             return []
         # The step that holds a rest for an instant is at most the first one out of rest; within a dwell nothing moves.
@@ -88,8 +84,8 @@ class Passing:
             # What may be hidden whole shows as a stop for an instant does.
             shows = float(dwell[stop]) >= HIDDEN * dt
             need = max(float(dwell[stop]) / dt - HIDDEN, 1.0)
-            begin, most = self.longest(self.line[stop], waits if shows else rests, used, need - 1e-6)
-            found[k], at[k] = most * dt, self.seen.t[min(int(begin), len(self.seen.t) - 1)]
+            begin, most = self.longest(self.stays[int(stop)], waits if shows else rests, used, need - 1e-6)
+            found[k], at[k] = most * dt, self.seen.time(min(int(begin), len(self.seen) - 1))
             if shows:
                 used = max(used, begin + min(most, need))
         return self._judged(stops, found, at, dt)
@@ -116,15 +112,14 @@ class Passing:
             checks.append(Check("dwell", value, limit, "s", ok, float(at[k]), block, at_least=True, noise=noise))
         return checks
 
-    def longest(self, pose: int, runs: Ints, counted: float, enough: float) -> tuple[float, float]:
-        """The first stretch of standing still [set-points] at a pose of the program's line that is long enough, else
-        the longest: its begin, and the number of steps. None of it lies before `counted`.
+    def longest(self, stays: Floats, runs: Ints, counted: float, enough: float) -> tuple[float, float]:
+        """The first stretch of standing still [set-points] within `stays` (k, 2) that is long enough, else the longest:
+        its begin, and the number of steps. None of it lies before `counted`.
 
-        A step counts where its begin or its end can stand for the pose.
+        A step counts where its begin or its end can stand for the point.
         """
         best, begin = 0.0, counted
-        for i in range(self.back.begin[pose], self.back.begin[pose + 1]):
-            low, high = self.setpoint(self.back.low[i], latest=False), self.setpoint(self.back.high[i], latest=True)
+        for low, high in stays:
             r = int(np.searchsorted(runs[:, 1], max(low, counted), side="left"))
             while r < len(runs) and runs[r, 0] <= high:
                 first = max(float(runs[r, 0]), np.floor(low), counted)
@@ -135,15 +130,57 @@ class Passing:
                     return begin, best
                 r += 1
         if best == 0.0:
-            begin = max(self.setpoint(self.back.first[pose], latest=False), counted)
+            begin = max(float(stays[0, 0]), counted)
         return begin, best
 
-    def setpoint(self, place: float, *, latest: bool) -> float:
-        """Steps from set-point to set-point, and a share of the next one, that have passed at a place of the motion."""
-        time = float(self.motion.times(np.array([place]), latest=latest)[0])
-        t = self.seen.t
-        k = min(int(np.searchsorted(t, time, side="right")) - 1, len(t) - 2)
-        return k + min((time - float(t[k])) / float(t[k + 1] - t[k]), 1.0)
+
+def waiting(toolpath: ToolPath) -> Ints:
+    """(k,) points of a program at which a motion waits: stops and dwells, of its ends dwells alone."""
+    waits = toolpath.stop | (toolpath.dwell > 0.0)
+    waits[[0, -1]] = toolpath.dwell[[0, -1]] > 0.0
+    return np.flatnonzero(waits)
+
+
+class SectionPassages(NamedTuple):
+    """When a section can be at the poses of its part of the program."""
+
+    early: Floats
+    """(m,) [s], infinite of poses that it cannot be at."""
+    late: Floats
+    """(m,) [s], the same with the other sign."""
+    stays: Mapping[int, Floats]
+    """(k, 2) as in `Passing`, of the whole motion; of some of the poses."""
+
+    @classmethod
+    def of(cls, section: Section, poses: Ints) -> SectionPassages:
+        """That of a section, with the stays at `poses` (k,) of its part."""
+        motion, back = section.motion, section.found.back
+        some = np.flatnonzero(back.begin[1:] > back.begin[:-1])
+        early, late = np.full(len(back.place), np.inf), np.full(len(back.place), -np.inf)
+        early[some] = motion.times(back.low[back.begin[some]], latest=False)
+        late[some] = motion.times(back.high[back.begin[some + 1] - 1], latest=True)
+        stays = {}
+        for pose in poses.tolist():
+            part = slice(back.begin[pose], back.begin[pose + 1])
+            times = (motion.times(back.low[part], latest=False), motion.times(back.high[part], latest=True))
+            stays[pose] = section.begin + np.column_stack([_setpoints(section.steps.t, each) for each in times])
+        return cls(early, late, stays)
+
+
+def _setpoints(t: Floats, times: Floats) -> Floats:
+    """Steps from set-point to set-point, which come at t (n,), and shares of the next one that have passed at times
+    (k,)."""
+    k: Ints = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    return np.asarray(k + np.minimum((times - t[k]) / (t[k + 1] - t[k]), 1.0))
+
+
+def joined_stays(before: Floats, behind: Floats) -> Floats:
+    """(k, 2) stays of two sections in a row: what ends where the first of the others begins goes on there."""
+    if len(before) and len(behind) and behind[0, 0] <= before[-1, 1]:
+        before, behind = before.copy(), behind.copy()
+        behind[0, 0] = before[-1, 0]
+        before = before[:-1]
+    return np.concatenate((before, behind))
 
 
 def still_runs(seen: SeenMotion, machine: Machine, dt: float, share: float) -> Ints:
@@ -151,10 +188,10 @@ def still_runs(seen: SeenMotion, machine: Machine, dt: float, share: float) -> I
     rest."""
     rounding = 8.0 * float(np.finfo(np.float64).eps) * np.maximum(seen.peaks.position, 1.0)
     most = share * still_step(machine.limits, dt) + rounding
-    still = np.zeros(len(seen.t) + 1, dtype=bool)
-    still[1 + seen.still.step[(seen.still.moved <= most).all(axis=1)]] = True
-    edges = np.flatnonzero(np.diff(still.astype(np.int8)))
-    return np.column_stack((edges[::2], edges[1::2]))
+    still = seen.still.step[(seen.still.moved <= most).all(axis=1)]
+    first = still[np.diff(still, prepend=-2) > 1]
+    last = still[np.diff(still, append=len(seen) + 1) > 1]
+    return np.column_stack((first, last + 1))
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -158,13 +159,18 @@ class MotionRow:
 
 def motion_row(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> MotionRow:
     """The row of set-points with `poses` (n, 6)."""
+    return joined(stretches_of(points, poses, limits, dt), points.t, poses[-1])
+
+
+def stretches_of(points: SetPoints, poses: Floats, limits: Limits, dt: float) -> list[Stretch]:
+    """The stretches of set-points with `poses` (n, 6), block by block."""
 
     def of_block(begin: int, end: int) -> Stretch:
         block = Block.of(points, begin, end)
         near = poses[block.first : block.first + len(block.near)]
         return Stretch.of(block, near, block.first, limits, dt, begin, end)
 
-    return joined(each_block(of_block, len(points) - 1), points.t, poses[-1])
+    return each_block(of_block, len(points) - 1)
 
 
 class Chords(NamedTuple):
@@ -183,16 +189,16 @@ class Chords(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """The row of some steps."""
+    """The row of some steps, from the set-point that they begin with to that which they end with."""
 
     poses: Floats
     """(k, 6)"""
-    first: int
-    """Set-point that it begins with: the one that its steps begin with is of the stretch before."""
+    begin: int
+    """Its first set-point."""
     chords: Chords | None
     """None where each set-point is a pose, and there are no others."""
     changes: Ints
-    """Steps in which the tool is changed."""
+    """Steps in which the tool is changed, of its own."""
 
     @classmethod
     def of(
@@ -209,8 +215,8 @@ class Stretch(NamedTuple):
         first, last = max(begin - 3, 0), min(end + 4, n)
         here = slice(first - block.first, last - block.first)
         t, near, lengths = t[here], poses[first - first_pose : last - first_pose], block.near.tool_length[here]
-        mine, own = slice(begin - first, end - first), int(begin > 0)
-        changes = begin + np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
+        mine = slice(begin - first, end - first)
+        changes = np.flatnonzero(np.diff(lengths[mine.start : mine.stop + 1]))
         parts, second = np.ones(end - begin, dtype=np.int64), np.zeros((last - first, 6))
         if n >= 6:
             second[1:-1] = np.diff(near, n=2, axis=0)
@@ -226,7 +232,7 @@ class Stretch(NamedTuple):
         simple = near[mine.start : mine.stop + 1]
         new = (simple[1:] != simple[:-1]).any(axis=1)
         if new.all() and parts.max(initial=1) == 1:
-            return cls(simple[own:], begin + own, None, changes)
+            return cls(simple, begin, None, changes)
         return cls._of_chords(near, second, t, parts, first, begin, changes)
 
     @classmethod
@@ -235,7 +241,7 @@ class Stretch(NamedTuple):
     ) -> Stretch:
         """That of as many chords as there are `parts` (k,) of the steps from `begin` on; poses (m, 6), their second
         differences and times (m,) are those from the row `first` on."""
-        end, last, own = begin + len(parts), first + len(near), int(begin > 0)
+        end, last = begin + len(parts), first + len(near)
         after, share = _shares(np.arange(begin + 1, end + 1), parts)
         k = after - 1
         exact = share == 1.0
@@ -255,32 +261,36 @@ class Stretch(NamedTuple):
         left, right = t[k - first], t[after - first]
         on_the_way = np.where(exact, right, left + share * (right - left))
         time = np.concatenate((t[begin - first : begin - first + 1], on_the_way))
-        setpoint = np.concatenate(([begin], np.where(exact, after, k)))
-        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))[own:]
-        exact = np.concatenate(([True], exact))[own:]
-        chords = Chords(kept, exact, setpoint[own:], time[own:], allowance[own:][kept])
-        return cls(row[own:][kept], begin + own, chords, changes)
+        setpoint = np.concatenate(([0], np.where(exact, after, k) - begin))
+        kept = np.concatenate(([True], (row[1:] != row[:-1]).any(axis=1)))
+        exact = np.concatenate(([True], exact))
+        return cls(row[kept], begin, Chords(kept, exact, setpoint, time, allowance[kept]), changes)
 
     def detailed(self, t: Floats) -> Chords:
-        """Its chords, of a motion at times t (n,)."""
+        """Its chords, of a motion whose set-points from its first one on come at t (n,)."""
         if self.chords is not None:
             return self.chords
-        count = len(self.poses)
-        every, rows = np.ones(count, dtype=bool), np.arange(self.first, self.first + count)
-        return Chords(every, every, rows, t[rows], np.zeros(count))
+        rows = np.arange(len(self.poses))
+        every = np.ones(len(rows), dtype=bool)
+        return Chords(every, every, rows, t[rows], np.zeros(len(rows)))
 
 
-def joined(stretches: list[Stretch], t: Floats, end: Floats) -> MotionRow:
-    """The row of a whole motion at times t (n,), which ends at the pose `end` (6,). Uses the stretches up."""
-    poses, changed = [each.poses for each in stretches], np.concatenate([each.changes for each in stretches])
+def joined(stretches: Sequence[Stretch], t: Floats, end: Floats) -> MotionRow:
+    """The row of stretches in a row, whose set-points come at t (n,) and which end at the pose `end` (6,)."""
+    start = stretches[0].begin
+    poses = [stretches[0].poses, *(each.poses[1:] for each in stretches[1:])]
+    changed = np.concatenate([each.begin - start + each.changes for each in stretches])
     if all(each.chords is None for each in stretches) and len(t) > 1:
         rows = np.arange(len(t))
         allowance, first, last, early, late, row = np.zeros(len(t)), rows, rows, t, t, rows
     else:
-        kept, exact, setpoint, time, allowances = (
-            list(each) for each in zip(*(each.detailed(t) for each in stretches))
-        )
-        every, when, of_row = np.concatenate(kept), np.concatenate(time), np.concatenate(setpoint)
+        parts = []
+        for k, each in enumerate(stretches):
+            chords, own = each.detailed(t[each.begin - start :]), slice(int(k > 0), None)
+            setpoint = chords.setpoint[own] + (each.begin - start)
+            parts.append((chords.kept[own], chords.exact[own], setpoint, chords.time[own], chords.allowance[own]))
+        kept, exact, setpoints, time, allowances = (list(each) for each in zip(*parts))
+        every, when, of_row = np.concatenate(kept), np.concatenate(time), np.concatenate(setpoints)
         if every.sum() < 2:
             # a row has two poses, even where nothing moves
             every[-1] = True
@@ -294,7 +304,6 @@ def joined(stretches: list[Stretch], t: Floats, end: Floats) -> MotionRow:
         # when the tool is changed is known to a step
         early, late = early.copy(), late.copy()
         late[row[changed]], early[row[changed + 1]] = t[changed + 1], t[changed]
-    stretches.clear()
     return MotionRow(np.concatenate(poses), allowance, first, last, early, late, row)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.machine.limits import Limits
-from toolpace.motion.setpoints import Block, SetPoints
+from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 
 R = TypeVar("R")
 
@@ -82,6 +82,8 @@ class Largest(NamedTuple):
 class BlockPeaks(NamedTuple):
     """The largest values of each joint in one block, without sign."""
 
+    time: float
+    """[s]"""
     position: Floats
     """(m,)"""
     columns: list[Largest]
@@ -102,7 +104,8 @@ class BlockPeaks(NamedTuple):
             differences.append(Largest.of(np.abs(of_rows), begin))
         change = np.diff(block.columns("qdd", begin, min(end + 1, n)), axis=1)
         mean = np.abs(change / np.diff(block.times(begin, min(end + 1, n)))).max(axis=1, initial=0.0)
-        return cls(np.abs(q).max(axis=1), columns, differences, mean)
+        time = float(np.abs(block.times(begin, end)).max())
+        return cls(time, np.abs(q).max(axis=1), columns, differences, mean)
 
 
 @dataclass(frozen=True)
@@ -123,11 +126,10 @@ class Peaks:
     """(m,) change of the accelerations over a step, by its time."""
 
     @classmethod
-    def of_all(cls, parts: Sequence[BlockPeaks], t: Floats, ending: Floats, dt: float) -> Peaks:
-        """Those of all blocks of a motion at times t (n,) every `dt` [s], the last of which may come sooner; `ending`
-        (k, m) are its last positions."""
-        n, even = len(t), even_rows(t, dt)
-        position, columns, differences, mean = zip(*parts)
+    def of_all(cls, parts: Sequence[BlockPeaks], count: int, even: int, ending: SetPoints, dt: float) -> Peaks:
+        """Those of all blocks of a motion of so many set-points every `dt` [s]; all but the `even` first, or none, come
+        sooner. `ending` is its last ones."""
+        times, position, columns, differences, mean = zip(*parts)
         largest_position = np.max(position, axis=0)
         found = []
         for order, of_blocks in zip(ORDERS, zip(*differences)):
@@ -135,11 +137,11 @@ class Peaks:
             value, row = value / dt**order, row + order // 2 if even > order else np.zeros_like(row)
             # a shorter last step by divided differences
             last = np.array([
-                last_difference(q, t[-len(q) :], order, dt, float(most)) for q, most in zip(ending.T, largest_position)
+                last_difference(q, ending.t, order, dt, float(most)) for q, most in zip(ending.q.T, largest_position)
             ])  # fmt: skip
-            found.append(Largest(np.maximum(value, last), np.where(last > value, n - 1, row)))
+            found.append(Largest(np.maximum(value, last), np.where(last > value, count - 1, row)))
         return cls(
-            dt, float(np.abs(t).max()), largest_position, tuple(Largest.of_all(each) for each in zip(*columns)),
+            dt, max(times), largest_position, tuple(Largest.of_all(each) for each in zip(*columns)),
             tuple(found), np.max(mean, axis=0),
         )  # fmt: skip
 
@@ -149,16 +151,21 @@ class Peaks:
         return float(found.value[joint]), int(found.row[joint])
 
 
-def even_rows(t: Floats, dt: float) -> int:
+def even_rows(source: SetPointSource, dt: float) -> int:
     """How many set-points come at equal steps: all but the last one where it comes sooner."""
-    return len(t) - bool(len(t) > 1 and t[-1] - t[-2] < 0.999 * dt)
+    return len(source) - ends_sooner(source.times(np.arange(max(len(source) - 2, 0), len(source))), dt)
+
+
+def ends_sooner(t: Floats, dt: float) -> bool:
+    """Whether the last of times (n,) comes sooner than a step."""
+    return bool(len(t) > 1 and t[-1] - t[-2] < 0.999 * dt)
 
 
 def last_difference(q: Floats, t: Floats, order: int, dt: float, largest: float) -> float:
     """|Difference| / dt^order of positions (n,) over a last step that is shorter, by divided differences; 0 where it is
     not. `largest` is that of the positions without sign."""
     n = len(q)
-    if n <= order or even_rows(t, dt) == n:
+    if n <= order or not ends_sooner(t, dt):
         return 0.0
     # The span, not the short step, is what a divided difference of order k is divided by last.
     times, table = t[n - 1 - order :], q[n - 1 - order :]
@@ -175,7 +182,7 @@ def difference_beyond_rounding(
     """Largest |difference| / dt^order of positions (n,), less what a `rounding` (n,) of these may make of it, and the
     set-point in its middle."""
     value, at = 0.0, 0
-    even = np.abs(np.diff(q[: even_rows(t, dt)], n=order))
+    even = np.abs(np.diff(q[: len(q) - ends_sooner(t, dt)], n=order))
     if len(even):
         most = rounding[: len(even)]
         for k in range(1, order + 1):
@@ -285,8 +292,6 @@ class BlockTool(NamedTuple):
     """How far lengths of tools are off those of the program; of no columns where none are named."""
     farthest: float
     """Largest coordinate of the tip without sign [m]."""
-    lengths: Floats
-    """(steps,) how far the tip goes in each step [m]; see `ways`."""
 
     @classmethod
     def of(
@@ -300,21 +305,19 @@ class BlockTool(NamedTuple):
         off = [np.sqrt(((told[rows] - true[mine]) ** 2).sum(axis=1)) for told, true in pairs]
         named = near.tool_length[rows]
         length_off = [np.abs(named[:, None] - tool_lengths).min(axis=1)] if len(named) and len(tool_lengths) else []
-        lengths = near.tool_length[first - block.first :] if len(named) else named
-        step = ways(lengths, tip, axis, mine.start, min(mine.stop, block.of_all - 1 - first))
         return cls(
             Largest.of(q, begin), Largest.of(-q, begin), Largest.of(np.reshape(off, (len(off), q.shape[1])), begin),
             Largest.of(np.reshape(length_off, (len(length_off), q.shape[1])), begin),
-            max(float(tip[mine].max()), -float(tip[mine].min())), np.sqrt((step**2).sum(axis=1)),
+            max(float(tip[mine].max()), -float(tip[mine].min())),
         )  # fmt: skip
 
     @classmethod
     def of_all(cls, parts: Sequence[BlockTool]) -> BlockTool:
         """That of a whole motion, from those of its blocks."""
-        highest, lowest, off, length_off, farthest, lengths = zip(*parts)
+        highest, lowest, off, length_off, farthest = zip(*parts)
         return cls(
             Largest.of_all(highest), Largest.of_all(lowest), Largest.of_all(off), Largest.of_all(length_off),
-            max(farthest), np.concatenate(lengths),
+            max(farthest),
         )  # fmt: skip
 
 
@@ -355,11 +358,8 @@ def still_step(limits: Limits, dt: float) -> Floats:
 class SeenMotion:
     """What the judge keeps of a motion: peaks, places, and some numbers of each set-point."""
 
-    joints: tuple[str, ...]
-    t: Floats
-    """(n,) [s]"""
-    block: Ints
-    """(n,) line numbers of the program."""
+    source: SetPointSource
+    """Where it is from: for the times and blocks of some places."""
     start: SetPoints
     """The first two set-points."""
     end: SetPoints
@@ -371,6 +371,19 @@ class SeenMotion:
     tool: BlockTool | None
     """None without kinematics."""
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return self.source.joints
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def time(self, row: int) -> float:
+        """When a set-point comes [s]."""
+        return float(self.source.times(np.array([row]))[0])
+
     def place(self, row: int) -> tuple[float, int]:
         """When a set-point comes [s], and its block."""
-        return float(self.t[row]), int(self.block[row])
+        there = self.source.rows(row, row + 1)
+        return float(there.t[0]), int(there.block[0])

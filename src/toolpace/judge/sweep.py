@@ -13,6 +13,8 @@ FANOUT = 8
 """Parts of a row that make up the next larger part of its tree; the same in the kernel."""
 FULL = -2
 """What the kernel returns where the room for intervals ends."""
+NO_PLACE = 2.0
+"""What it takes for a share that there is not."""
 NEVER = 2**62
 """More poses, and more cells, than there are."""
 LARGE = 64
@@ -144,14 +146,65 @@ class Sweep:
             )  # fmt: skip
             if found != FULL:
                 break
-            self.low, self.high = (np.concatenate((each, np.empty(len(each)))) for each in (self.low, self.high))
+            self._grow()
         self.work = int(task[3])
         if task[4]:
             raise OutOfWorkError
         return found
+
+    def start_at(self, low: Floats, high: Floats) -> None:
+        """Take the places low, high (k,) of the first pose, where they are known, in place of the line's start."""
+        while len(low) > len(self.low):
+            self._grow()
+        self.begin[1] = len(low)
+        self.low[: len(low)], self.high[: len(low)] = low, high
+
+    def run_from_side(self, low: Floats, high: Floats) -> None:
+        """Find the places of all poses from where the line is entered at its start: at places low, high (k,) of the
+        row."""
+        from toolpace.kernels.judge.free_space import Row, reach_from_side
+
+        line, entry = self.line, _entries(low, high, self.room)
+        row, line_row = Row(self.rows, self.room), Row(line.poses, line.room)
+        while True:
+            found = reach_from_side(
+                row, line_row, self.radius, line.extra, line.discs, line.levels, entry,
+                self.begin, self.low, self.high,
+            )  # fmt: skip
+            if found != FULL:
+                break
+            self._grow()
+
+    def _grow(self) -> None:
+        """Make room for twice as many intervals."""
+        self.low, self.high = (np.concatenate((each, np.empty(len(each)))) for each in (self.low, self.high))
+
+    def places(self, pose: int) -> tuple[Floats, Floats]:
+        """Begins and ends (k,) of the places of a pose."""
+        part = slice(self.begin[pose], self.begin[pose + 1])
+        return self.low[part].copy(), self.high[part].copy()
 
     def ends(self) -> bool:
         """Whether the last pose can stand at the end of the line."""
         n = len(self.rows)
         first, last = self.begin[n - 1], self.begin[n]
         return bool(last > first and self.high[last - 1] >= self.line.last)
+
+
+def _entries(low: Floats, high: Floats, room: Floats) -> Floats:
+    """(n,) the least share of the way to each pose of a row that lies in one of the places low, high (k,), NO_PLACE for
+    none; of the first pose, to which no way leads, 0 where it does itself. `room` (n - 1, 2) is that of the ways."""
+    count = len(room) + 1
+    entry = np.full(count, NO_PLACE)
+    for first, last in zip(low.tolist(), high.tolist()):
+        # what ends at a pose belongs to the way before it
+        end = int(np.ceil(last)) if last > first else int(last) + 1
+        ways = np.arange(int(first), min(end, count - 1))
+        entry[1 + ways] = np.minimum(entry[1 + ways], np.maximum(first - ways, 0.0))
+        pose = int(first)
+        if pose == 0 and first == 0.0:
+            entry[0] = 0.0
+        elif pose == first and (pose == count - 1 or (room[pose - 1] >= room[pose]).all()):
+            # What begins at a pose is the end of the way to it. Of a narrower way it need not be.
+            entry[pose] = min(entry[pose], 1.0)
+    return entry

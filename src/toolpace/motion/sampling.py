@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -66,13 +66,9 @@ class Sampling:
     def __len__(self) -> int:
         return self._count
 
-    @cached_property
-    def t(self) -> Floats:
-        """(n,) times [s]."""
-        return self._times(0, len(self))
-
-    def _times(self, begin: int, end: int) -> Floats:
-        found: Floats = self.dt * np.arange(begin, end, dtype=np.float64)
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
+        found: Floats = self.dt * rows.astype(np.float64)
         return found
 
     def rows(self, begin: int, end: int) -> SetPoints:
@@ -82,7 +78,7 @@ class Sampling:
     def at(self, rows: Ints) -> SetPoints:
         """The set-points of some rows (k,), in their order."""
         out = self._room(len(rows))
-        self._fill(out, slice(None), self.dt * rows.astype(np.float64))
+        self._fill(out, slice(None), self.times(rows))
         return SetPoints(**out, joints=self.joints)
 
     def all(self) -> SetPoints:
@@ -92,7 +88,7 @@ class Sampling:
 
         def fill(begin: int) -> None:
             end = min(begin + ROWS, len(self))
-            self._fill(out, slice(begin, end), self._times(begin, end))
+            self._fill(out, slice(begin, end), self.times(np.arange(begin, end)))
 
         Workers().each(fill, range(0, len(self), ROWS))
         return SetPoints(**out, joints=self.joints)

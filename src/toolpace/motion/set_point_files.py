@@ -34,7 +34,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
-from toolpace.common.files import whole_file
+from toolpace.common.files import Spool, whole_file
 from toolpace.common.files.atomic import read_binary, refuse_other_format
 from toolpace.common.workers import Workers
 from toolpace.machine.machine import Machine
@@ -131,18 +131,18 @@ class CompactWriter:
     def __init__(self, source: SetPointSource, machine: Machine) -> None:
         """Take where they are from, and the machine that they will be read for."""
         self.head, self.machine = Head.of(source), machine
-        self._packed: dict[int, bytes] = {}
+        self._packed = Spool()
 
     def take(self, block: Block) -> None:
         """Pack a block of `ROWS` rows, or the last one."""
-        self._packed[block.begin] = _packed_block(block.points, self.machine, self.head, block.begin)
+        self._packed.put(block.begin, _packed_block(block.points, self.machine, self.head, block.begin))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the file, whole or not at all. Raises UsageError."""
         with whole_file(path) as temporary, temporary.open("wb") as stream:
             stream.write(MAGIC + msgspec.json.encode(self.head) + b"\n")
             for begin in range(0, self.head.rows, ROWS):
-                data = self._packed[begin]
+                data = self._packed.get(begin)
                 stream.write(len(data).to_bytes(4, "little") + data)
 
 

@@ -24,13 +24,13 @@ ROWS = 1 << 15
 """Rows of a block: what is worked on at once stays in the cache of a core."""
 REACH = 4
 """Rows before and behind a block that come with it, for differences."""
-COPIES, STREAMED_COPIES = 3, 2
+COPIES, STREAMED_COPIES = 3.0, 0.1
 """How often as much memory as set-points take is needed at once, to sample, judge and draw them: where all of them are
-held, and where each block is let go (2.3 and 1.4 were measured of 40 minutes)."""
+held (2.3 was measured of 40 minutes), and where each block is let go (0.02 of 3 and of 11 million)."""
 
 
 def refuse_too_many(
-    duration: float, dt: float, joints: int, what: str = "the motion takes", copies: int = COPIES
+    duration: float, dt: float, joints: int, what: str = "the motion takes", copies: float = COPIES
 ) -> None:
     """Raise UsageError where so many `copies` of set-points every `dt` [s] of a `duration` [s] would not fit into
     memory."""
@@ -53,10 +53,6 @@ class SetPointSource(Protocol):
     """Set-points that can be taken block by block: those in memory, and those of a trajectory (motion/sampling.py)."""
 
     @property
-    def t(self) -> Floats:
-        """(n,) times [s]."""
-
-    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the columns of positions."""
 
@@ -65,6 +61,9 @@ class SetPointSource(Protocol):
         """Whether tip and axis are known."""
 
     def __len__(self) -> int: ...
+
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""
@@ -96,6 +95,12 @@ class Block:
     def points(self) -> SetPoints:
         """Only those from `begin` to `end`."""
         return self.near.rows(self.begin - self.first, self.end - self.first)
+
+    @cached_property
+    def length(self) -> float:
+        """How far the tip goes in the steps that begin in it [m]; 0 without a tool."""
+        begin = self.begin - self.first
+        return float(self.near.tip_steps[begin : begin + self.end - self.begin].sum()) if self.near.has_tool else 0.0
 
     def columns(self, name: str, begin: int, end: int) -> Floats:
         """(m, k) columns of some rows of the motion, turned once for all parts of the block."""
@@ -164,6 +169,11 @@ class SetPoints(ByValue):
         step = f" every {(self.t[1] - self.t[0]) * 1e3:.6g} ms" if len(self) > 1 else ""
         tool = "with the tool" if self.has_tool else "without a tool"
         return one_line(self, f"{len(self)}{step}", named(self.joints), tool)
+
+    def times(self, rows: Ints) -> Floats:
+        """(k,) times of some rows (k,) [s]."""
+        found: Floats = self.t[rows]
+        return found
 
     def rows(self, begin: int, end: int) -> SetPoints:
         """The set-points from row `begin` to before row `end`."""

@@ -7,8 +7,9 @@ from toolpace.common.files.folder import finished, folder_to_write, is_folder, w
 from toolpace.common.files.free_space import free_disk, free_memory
 from toolpace.common.files.seal import KEY as SEAL
 from toolpace.common.files.seal import changed, sealed_files
+from toolpace.common.files.spool import Spool
 
 __all__ = [
-    "SEAL", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "is_folder",
+    "SEAL", "Spool", "changed", "file_to_write", "finished", "folder_to_write", "free_disk", "free_memory", "is_folder",
     "reason", "sealed_files", "whole_file", "whole_folder", "write_text",
 ]  # fmt: skip

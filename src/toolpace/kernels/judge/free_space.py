@@ -15,6 +15,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.jit import jit
 
@@ -129,20 +131,23 @@ def advance(
     levels: Ints,
     k: int,
     after: int,
+    entry: float,
     span: Ints,
     low: Floats,
     high: Floats,
 ) -> int:
     """From the places that pose k can stand at to those of the pose `after`: both in intervals, in order.
 
-    The former are low, high[span[0]:span[1]]; the latter are written from span[1] on, and span[2] becomes their end.
+    `entry` is the least share of the way between both at which the start of the line is reached from elsewhere, and
+    NO_PLACE where it is not. The former places are low, high[span[0]:span[1]]; the latter are written from span[1] on,
+    and span[2] becomes their end.
     Returns the cells looked at, or FULL.
     """
     (rows, row_room), (line, line_room) = row, line_row
     first, last, end, room = span[0], span[1], span[1], len(low)
     wide = max(radius[k], radius[after])
     i = first
-    below = NO_PLACE  # least share of the way between the poses at which the line's pose j is reached
+    below = entry  # least share of the way between the poses at which the line's pose j is reached
     j, cells, segments = 0, 0, len(line) - 1
     while True:
         # What ends at a pose of the line belongs to the way before it, what begins there to the way after it.
@@ -215,6 +220,71 @@ def standing(
 
 
 @jit()
+def first_places(
+    row: Row,
+    line_row: Row,
+    radius: Floats,
+    extra: Floats,
+    discs: Floats,
+    levels: Ints,
+    span: Ints,
+    low: Floats,
+    high: Floats,
+) -> int:
+    """How many intervals the first pose has that goes on along the line from its start: low, high[:count]; -1 for none,
+    where it is not near the start, FULL where the room for intervals ends."""
+    (rows, row_room), (line, line_room) = row, line_row
+    tip_room = at_pose(line_room, 0, 0) + at_pose(row_room, 0, 0)
+    axis_room = at_pose(line_room, 0, 1) + at_pose(row_room, 0, 1)
+    start, stop = standing(line, 0, rows, 0, radius[0] + extra[0], tip_room, axis_room)
+    if start > stop:
+        return -1
+    low[0], high[0] = 0.0, 0.0
+    span[0], span[1] = 0, 1
+    if advance(row, line_row, radius, extra, discs, levels, 0, 0, NO_PLACE, span, low, high) == FULL:
+        return FULL
+    for i in range(span[1], span[2]):
+        low[i - 1], high[i - 1] = low[i], high[i]
+    return int(span[2] - 1)
+
+
+@jit()
+def reach_from_side(
+    row: Row,
+    line_row: Row,
+    radius: Floats,
+    extra: Floats,
+    discs: Floats,
+    levels: Ints,
+    entry: Floats,
+    begin: Ints,
+    low: Floats,
+    high: Floats,
+) -> int:
+    """The places of each pose of a row that are reached where the line is entered at its start all along the row.
+
+    entry[k] is the least share of the way from pose k - 1 to pose k at which it can be entered, NO_PLACE where it
+    cannot; entry[0] is 0 where it can be at pose 0. Places of pose k are low, high[begin[k]:begin[k + 1]]: a pose may
+    have none. Returns how many intervals there are, or FULL.
+    """
+    span = np.zeros(3, dtype=np.int64)
+    begin[0] = begin[1] = 0
+    if entry[0] == 0.0:
+        found = first_places(row, line_row, radius, extra, discs, levels, span, low, high)
+        if found == FULL:
+            return FULL
+        begin[1] = max(found, 0)
+    for k in range(len(begin) - 2):
+        span[0], span[1] = begin[k], begin[k + 1]
+        begin[k + 2] = begin[k + 1]
+        if span[1] > span[0] or entry[k + 1] <= 1.0:
+            if advance(row, line_row, radius, extra, discs, levels, k, k + 1, entry[k + 1], span, low, high) == FULL:
+                return FULL
+            begin[k + 2] = span[2]
+    return int(begin[-1])
+
+
+@jit()
 def reach(
     row: Row,
     line_row: Row,
@@ -235,29 +305,20 @@ def reach(
     Returns the last pose that has places; -1 for none at all, FULL where the room for intervals ends. task[3] is the
     number of cells that may be looked at, and becomes what is left of it; where it is used up, task[4] becomes 1.
     """
-    (rows, row_room), (line, line_room) = row, line_row
     k, goal, seek = int(task[0]), int(task[1]), int(task[2])
     span = begin[:3].copy()
     task[4] = 0
     if k < 0:
         if seek == 0:
             radius[0] = raised
-        tip_room = at_pose(line_room, 0, 0) + at_pose(row_room, 0, 0)
-        axis_room = at_pose(line_room, 0, 1) + at_pose(row_room, 0, 1)
-        start, stop = standing(line, 0, rows, 0, radius[0] + extra[0], tip_room, axis_room)
-        if start > stop:
-            return -1
-        low[0], high[0] = 0.0, 0.0
-        span[0], span[1] = 0, 1
-        if advance(row, line_row, radius, extra, discs, levels, 0, 0, span, low, high) == FULL:
-            return FULL
-        for i in range(span[1], span[2]):
-            low[i - 1], high[i - 1] = low[i], high[i]
-        begin[0], begin[1] = 0, span[2] - 1
+        count = first_places(row, line_row, radius, extra, discs, levels, span, low, high)
+        if count < 0:
+            return count
+        begin[0], begin[1] = 0, count
         k = 0
     while k < goal:
         span[0], span[1] = begin[k], begin[k + 1]
-        cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, span, low, high)
+        cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, NO_PLACE, span, low, high)
         if cells == FULL:
             return FULL
         found = span[2] > span[1]
@@ -266,7 +327,7 @@ def reach(
                 begin[k + 2] = span[2]
                 return k + 1
             radius[k + 1] = raised
-            cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, span, low, high)
+            cells = advance(row, line_row, radius, extra, discs, levels, k, k + 1, NO_PLACE, span, low, high)
             if cells == FULL:
                 return FULL
             found = span[2] > span[1]

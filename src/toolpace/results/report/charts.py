@@ -95,18 +95,20 @@ def _named_curves(has_tool: bool, limits: Limits, units: list[str], toolpath: To
     return found
 
 
-def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg: float | None) -> list[Channel]:
-    """Curves of how far the path is off the program at times t (n,), as shares of the tolerances [mm], [deg]; none
-    where that is not known. The largest that was found in the piece of the path that is passed; of many times the
+def deviations(
+    trajectory: Trajectory, source: SetPointSource, tip_mm: float | None, axis_deg: float | None
+) -> list[Channel]:
+    """Curves of how far the path is off the program at set-points, as shares of the tolerances [mm], [deg]; none
+    where that is not known. The largest that was found in the piece of the path that is passed; of many the
     extremes."""
     found = [run.deviations() for run in trajectory.axis_path.runs]
     of_runs = [each for each in found if each is not None]
     if len(of_runs) < len(found) or tip_mm is None or axis_deg is None:
         return []
-    edges = stretches(len(t))
-    if len(edges) <= len(t):
-        # pieces are passed in order: those of a stretch lie between those of its ends
-        t = np.concatenate((t[edges[:-1]], t[edges[1:] - 1]))
+    edges = stretches(len(source))
+    # pieces are passed in order: those of a stretch lie between those of its ends
+    many = len(edges) <= len(source)
+    t = source.times(np.concatenate((edges[:-1], edges[1:] - 1)) if many else edges[:-1])
     s, run = trajectory.parameter(t), trajectory.run_at(t)
     piece = np.zeros(len(t), dtype=np.int64)
     pieces = 0
@@ -117,7 +119,7 @@ def deviations(trajectory: Trajectory, t: Floats, tip_mm: float | None, axis_deg
         pieces += last + 1
     channels = []
     for k, (name, tolerance, unit) in enumerate((("tip", tip_mm * 1e3, "µm"), ("tool axis", axis_deg, "°"))):
-        off = _passed(np.concatenate([each[1 + k] for each in of_runs]), piece, len(t) // 2 == len(edges) - 1)
+        off = _passed(np.concatenate([each[1 + k] for each in of_runs]), piece, many)
         share = off * (1e6 if k == 0 else 180.0 / np.pi) / tolerance
         channels.append(Channel(name, "deviation", -1 - k, share, tolerance, unit))
     return channels
@@ -167,8 +169,8 @@ class Curves:
         self.top = 0.0
         """The largest cap."""
         self._cap = next((k for k, channel in enumerate(self.channels) if channel.name == CAP), None)
-        self.tip_steps = np.zeros(max(self.count - 1, 0) if source.has_tool else 0)
-        """(n - 1,) way of the tip in each step [m]."""
+        self.has_tool = source.has_tool
+        self._lengths: dict[int, float] = {}
         self._lock = threading.Lock()
 
     @classmethod
@@ -181,6 +183,7 @@ class Curves:
     def take(self, block: Block) -> None:
         """Look at a block."""
         values, top = self._values(block), 0.0
+        self._lengths[block.begin] = block.length
         if self._cap is not None:
             # only the cap may be none at all, which hides others of its stretch
             finite = np.isfinite(values[self._cap])
@@ -203,11 +206,8 @@ class Curves:
         """(k, rows) of each curve at the set-points of a block."""
         points, speed, begin = block.points, np.zeros(len(block.near)), block.begin - block.first
         out = np.empty((len(self.channels), len(points)))
-        if len(self.tip_steps):
-            steps = block.near.tip_steps
-            speed = _at_both_ends(steps / np.diff(block.near.t))
-            mine = steps[begin : begin + len(points)]
-            self.tip_steps[block.begin : block.begin + len(mine)] = mine
+        if block.near.has_tool and len(speed) > 1:
+            speed = _at_both_ends(block.near.tip_steps / np.diff(block.near.t))
         for row, channel in zip(out, self.channels):
             if channel.name == SPEED:
                 row[:] = speed[begin : begin + len(points)] * 60e3
@@ -219,6 +219,11 @@ class Curves:
                 np.divide(column, float(getattr(self.limits, channel.panel)[channel.joint]), out=row)
         return out
 
+    @property
+    def length(self) -> float | None:
+        """Of the way of the tip [m]; None without a tool."""
+        return sum(self._lengths[begin] for begin in sorted(self._lengths)) if self.has_tool else None
+
     def extremes(self) -> list[Channel]:
         """The curves with their values, without those of which there is none."""
         found = []
@@ -228,14 +233,6 @@ class Curves:
             if k != self._cap or self.top > 0.0:
                 found.append(replace(channel, values=values, top=self.top if k == self._cap else 0.0))
         return found
-
-    def speed_at(self, at: Ints, t: Floats) -> Floats:
-        """(k,) speed of the tip at the set-points `at`, where all come at the times t (n,) [m/s]."""
-        if not len(self.tip_steps):
-            return np.zeros(len(at))
-        before, behind = np.maximum(at - 1, 0), np.minimum(at, len(self.tip_steps) - 1)
-        speeds = (self.tip_steps[each] / (t[each + 1] - t[each]) for each in (before, behind))
-        return np.asarray(0.5 * sum(speeds))
 
 
 def extremes(values: Floats, most: int = POINTS) -> Floats:

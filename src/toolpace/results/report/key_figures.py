@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from toolpace.common.arrays import Floats
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
 from toolpace.results.report import shell
@@ -74,20 +73,19 @@ class PlanFigures(Protocol):
 
 def key_figures(
     trajectory: Trajectory,
-    tip_steps: Floats,
+    length: float | None,
     toolpath: ToolPath | None,
     verification: Verification | None,
     figures: PlanFigures | None,
 ) -> str:
-    """The figures one asks for first, as cards (HTML); `tip_steps` (n - 1,) [m] are none where there is no tool."""
+    """The figures one asks for first, as cards (HTML); `length` [m] is that of the tip's way, None without a tool."""
     cards = [("Time", format_time(trajectory.duration), "from rest to rest", "big")]
     if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
         note = mesh_gap(trajectory.gap)
         if trajectory.continuous_bound > 0.0:
             note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
         cards.append(("Gap", at_most(trajectory.gap), note, ""))
-    if len(tip_steps):
-        length = float(tip_steps.sum())
+    if length is not None:
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0
         shown = f"{length:.3f} m" if length >= 1.0 else f"{length * 1e3:.1f} mm"
         cards.append(("Path length of the tip", shown, f"{mean:.0f} mm/min on average", ""))

@@ -72,7 +72,7 @@ def report_page(
         "program": escape(program),
         "machine": escape(where),
         "verdict": _verdict(verification),
-        "cards": key_figures(trajectory, curves.tip_steps, toolpath, verification, figures),
+        "cards": key_figures(trajectory, curves.length, toolpath, verification, figures),
         "insight": _insight(trajectory.limited_by()),
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),

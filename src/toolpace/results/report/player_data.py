@@ -44,7 +44,7 @@ def player_data(
     machine, joints = trajectory.axis_path.machine, setpoints.joints
     shown, arrays = curves.extremes(), PackedArrays()
     if figures is not None:
-        shown += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+        shown += deviations(trajectory, setpoints, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     passed = passages(trajectory, setpoints, toolpath)

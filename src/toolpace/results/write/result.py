@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
@@ -95,9 +97,7 @@ class SetPointDigest:
 
     def take(self, block: Block) -> None:
         """Look at a block."""
-        if block.near.has_tool:
-            begin = block.begin - block.first
-            self._lengths[block.begin] = float(block.near.tip_steps[begin : begin + block.end - block.begin].sum())
+        self._lengths[block.begin] = block.length
         for each in (self.packed, self.curves):
             if each is not None:
                 each.take(block)
@@ -162,7 +162,8 @@ class PlanResult:
         tip = widest(self.tip_tolerance, toolpath, "tip")
         axis = widest(self.axis_tolerance, toolpath, "axis")
         measured = [found for found in (verification, self.path) if found is not None][:1]
-        t, digest = self.setpoints.t, self.digest
+        count, digest = len(self.setpoints), self.digest
+        t = self.setpoints.times(np.arange(min(count, 2)))
         length = digest.length if digest is not None else SetPointDigest.of(self.setpoints).length
         return PlanRecord(
             duration_s=float(trajectory.duration),
