@@ -13,7 +13,7 @@ from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 
 UPRIGHT = np.array([0.0, 0.0, 1.0])
-DEPTH, BALL = 0.00247, 0.00103
+DEPTH, BALL = 0.00243, 0.00103
 LOW, HIGH = (-0.014, -0.01, -0.004), (0.01, 0.01, 0.0)
 DEFAULT = 2e-4
 """A fiftieth of the tool's diameter."""
