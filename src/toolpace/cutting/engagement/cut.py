@@ -53,6 +53,10 @@ class Dexels(Protocol):
         """Largest side of a cell [m]."""
 
     @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner (3,) of the box about it [m]."""
+
+    @property
     def frame(self) -> Floats:
         """Rows (3, 3): directions of the rays, in the frame of the part."""
 
@@ -83,7 +87,9 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         raise UsageError("stations: axis holds no unit vectors, one for each tip; give directions of length 1")
     height = slice_height or max(cell, profile.length / SLICES)
     feed, across, along = feed_frames(tip, axis)
-    poses = Poses(*_poses(profile, tip @ stock.frame.T, axis @ stock.frame.T, cell))
+    tips, axes, *rest = _poses(profile, tip, axis, cell)
+    heights = _heights(stock, profile, tips, axes)
+    poses = Poses(tips @ stock.frame.T, axes @ stock.frame.T, rest[0], rest[1], *heights, rest[2])
     count = max(math.ceil(profile.length / height - 1e-9), 1)
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
@@ -168,6 +174,23 @@ def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tupl
     look = np.zeros(len(station), np.int64)
     look[ends] = 1
     return tips, axes, travel, station, look
+
+
+def _heights(stock: Dexels, profile: ToolProfile, tip: Floats, axis: Floats) -> tuple[Floats, Floats]:
+    """Between which heights above the tip (m,) the tool may meet the box about the stock."""
+    low, high = np.zeros(len(tip)), np.full(len(tip), profile.length)
+    for d in range(3):
+        lean = axis[:, d]
+        reach = profile.radius * np.sqrt(np.maximum(1.0 - lean**2, 0.0))
+        least, most = stock.bounds[0][d] - reach - tip[:, d], stock.bounds[1][d] + reach - tip[:, d]
+        # across a direction all heights are alike: a lean too small to divide by is as good as none
+        safe = np.where(np.abs(lean) > 1e-12, lean, np.inf)
+        a, b = np.minimum(least / safe, most / safe), np.maximum(least / safe, most / safe)
+        across = np.isinf(safe)
+        outside = across & ((least > 0.0) | (most < 0.0))
+        low = np.where(across, np.where(outside, 1.0, low), np.maximum(low, a))
+        high = np.where(across, np.where(outside, 0.0, high), np.minimum(high, b))
+    return low, high
 
 
 def _above(stock: Dexels, profile: ToolProfile) -> Above:

@@ -54,6 +54,8 @@ class DexelStock:
 
     field: Field
     """The rays, for kernels."""
+    bounds: tuple[Floats, Floats]
+    """Lowest and highest corner (3,) of the box about the material, in the frame of the part [m]."""
     content: float | None = None
     """Volume [m3] less what was cut; None: what the rays see."""
 
@@ -93,10 +95,13 @@ class DexelStock:
         if not length > 0.0:
             raise UsageError("stock: both ends of the cylinder are at one place; give two")
         axis = (end - start) / length
+        wide = radius * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+        around = np.minimum(start, end) - wide, np.maximum(start, end) + wide
         start, end, axis = start @ FRAME.T, end @ FRAME.T, axis @ FRAME.T
         wide = radius * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
         stock = _empty(np.minimum(start, end) - wide, np.maximum(start, end) + wide, resolution, memory)
         fill_revolved(stock.field, np.array([[0.0, length, radius, 0.0, 0.0, radius]]), start, axis)
+        stock.bounds = around
         stock.content = math.pi * radius**2 * length
         return stock
 
@@ -112,8 +117,10 @@ class DexelStock:
         if not len(corners):
             raise UsageError("stock: the mesh has no triangle; give a closed mesh")
         _refuse_flat(np.ptp(corners, axis=(0, 1)))
+        around = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
         corners = np.ascontiguousarray(corners @ FRAME.T)
         stock = _empty(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), resolution, memory)
+        stock.bounds = around
         wrong = 0
         for d in range(3):
             rays = int(stock.field.first[d + 1] - stock.field.first[d])
@@ -122,7 +129,7 @@ class DexelStock:
             offset = np.concatenate([[0], np.cumsum(counts[:-1])])
             places, ways = np.empty(offset[-1]), np.empty(offset[-1], np.int64)
             crossings(stock.field, corners, d, offset.copy(), places, ways)
-            stock.spare(int(offset[-1]))
+            stock.spare(int(np.maximum(counts // 2 - 1, 0).sum()))
             wrong += fill(stock.field, d, offset, places, ways)
         if wrong:
             raise UsageError(
@@ -168,6 +175,7 @@ class DexelStock:
             field._replace(
                 low=field.low.copy(), high=field.high.copy(), following=field.following.copy(), pool=field.pool.copy()
             ),
+            self.bounds,
             self.content,
         )
 
@@ -179,9 +187,11 @@ class DexelStock:
         from toolpace.kernels.cutting.dexels import depths_at
 
         points = numbers(points, "stock: points", ("n", 3), unit="m")
+        most = 4.0 * self.resolution if most is None else most
         found = np.empty(len(points))
-        depths_at(self.field, np.ascontiguousarray(points @ FRAME.T), 4.0 * self.resolution if most is None else most, found)
-        return found
+        # a ray that crosses a face askew is in material for longer than the face is away
+        depths_at(self.field, np.ascontiguousarray(points @ FRAME.T), 2.0 * most, found)
+        return np.clip(found, -most, most)
 
     def contains(self, points: npt.ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether points (n, 3) [m] are in material."""
@@ -203,12 +213,14 @@ class DexelStock:
         field = self.field
         margin = np.ceil(distance / field.step + 1e-9).astype(np.int64) + 2
         target = _rays(field.origin - margin * field.step, field.step, field.cells + 2 * margin)
+        wider = distance + 2.0 * self.resolution
+        target.bounds = self.bounds[0] - wider, self.bounds[1] + wider
         return self._offset(target, distance, outward=True)
 
     def shrunk(self, distance: float) -> DexelStock:
         """The stock without all that is within a distance [m] of air: never more, at most a cell's diagonal less."""
         distance = number(distance, "stock: distance", least=0.0, unit="m")
-        return self._offset(DexelStock(self.copy().field), distance, outward=False)
+        return self._offset(DexelStock(self.copy().field, self.bounds), distance, outward=False)
 
     def depth_in_material(self, solids: Sequence[Floats], stations: Stations) -> Floats:
         """How deep any of some solids of a `ToolProfile` is in material at stations (n,) [m]; 0 where none is.
@@ -331,6 +343,6 @@ def _rays(origin: Floats, step: Floats, count: Ints) -> DexelStock:
     first: Ints = np.concatenate([[0], np.cumsum(faces)]).astype(np.int64)
     rays = int(first[3])
     nothing = np.full(rays, -1, np.int64)
-    stock = DexelStock(Field(origin, step, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0])))
+    stock = DexelStock(Field(origin, step, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0])), (origin, origin))
     stock.spare(int(SPARE * rays) + 64)
     return stock

@@ -23,9 +23,11 @@ LEAST_CHIP = 1e-3
 """Of the motion of the tip: where the surface moves outward by less, it slides."""
 LEAST_SAMPLES, MOST_SAMPLES = 12, 720
 """Of the part of a slice that moves outward."""
+APART = 2.0
+"""Cells between two places that are looked at, at least: a contact that is narrower may not be seen."""
 FAR = 3.0
 """Cells beyond which depths are cut off."""
-SURE = 0.7
+SURE = 0.5
 """Share of a depth within which there is no border."""
 
 
@@ -111,7 +113,7 @@ def slice_arcs(
     best, deepest = math.nan, least
     if end <= begin:
         return count, best
-    shortest = min(max(cell / max(radius, cell), (end - begin) / MOST_SAMPLES), (end - begin) / LEAST_SAMPLES)
+    shortest = min(max(APART * cell / max(radius, cell), (end - begin) / MOST_SAMPLES), (end - begin) / LEAST_SAMPLES)
     whole, most = end - begin >= TURN, FAR * cell
     first = count
     entry, top, before = math.nan, -most, begin

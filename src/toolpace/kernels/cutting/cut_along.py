@@ -10,7 +10,7 @@ from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.cutting.contact import AXIS, FEED, LEFT, MOTION, TIP, TURNING, Arcs, Slices, contact
 from toolpace.kernels.cutting.dexels import FREE_COUNT, Field
 from toolpace.kernels.cutting.intrusion import Blocks, deepest
-from toolpace.kernels.cutting.removal import cut_at, near_box, widest_of
+from toolpace.kernels.cutting.removal import cut_at, widest_of
 from toolpace.kernels.jit import jit
 
 LAG = 2.0
@@ -30,6 +30,10 @@ class Poses(NamedTuple):
     """(m,) the way so far of the tool's point that moves the most."""
     station: Ints
     """(m,) the station that the pose is on the way to."""
+    low: Floats
+    """(m,) lowest height above the tip at which the tool may meet the stock."""
+    high: Floats
+    """(m,) highest one; below `low` where it cannot."""
     look: Ints
     """(m,) 1 where the pose is that of the station itself, 0 between stations."""
 
@@ -64,10 +68,8 @@ class Above(NamedTuple):
 
 
 @jit()
-def rays_met(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> int:
-    """At most how many rays a tool meets at a pose."""
-    radius = widest_of(pieces)
-    z0, z1 = near_box(field, pieces, tip, axis, radius)
+def rays_met(field: Field, radius: float, axis: Floats, z0: float, z1: float) -> int:
+    """At most how many rays a tool meets between two heights."""
     if z0 > z1:
         return 0
     met = 0
@@ -101,9 +103,10 @@ def cut_next(field: Field, pieces: Floats, above: Above, poses: Poses, found: Fo
     """Cut at the next pose that is not, and look at what is above the edge there; False where free nodes run out."""
     k = progress[CUT]
     tip, axis, i = poses.tip[k], poses.axis[k], poses.station[k]
-    if rays_met(field, pieces, tip, axis) > field.pool[FREE_COUNT]:
+    low, high = poses.low[k], poses.high[k]
+    if rays_met(field, widest_of(pieces), axis, low, high) > field.pool[FREE_COUNT]:
         return False
-    found.removed[i] += cut_at(field, pieces, tip, axis)
+    found.removed[i] += cut_at(field, pieces, tip, axis, low, high)
     if poses.look[k] == 1:
         for j in range(len(above.part)):
             solid, part = above.pieces[above.first[j] : above.first[j + 1]], above.part[j]
@@ -124,7 +127,6 @@ def cut_along(
     Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further.
     """
     pose = np.empty((6, 3))
-    radius = widest_of(pieces)
     room = 64 * len(slices.z)
     while progress[AT] < until:
         k = progress[AT]
@@ -136,7 +138,7 @@ def cut_along(
             if progress[ARCS] + room > len(arcs.slice):
                 return False
             i = poses.station[k]
-            low, high = near_box(field, pieces, poses.tip[k], poses.axis[k], radius)
+            low, high = poses.low[k], poses.high[k]
             if k > 0 and low <= high:
                 pose_at(poses, k, found.feed[i], pose)
                 progress[ARCS], found.width[i], found.depth[i], found.flat[i] = contact(

@@ -112,13 +112,15 @@ def squared_normal(
 
 
 @jit()
-def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
+def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats, z0: float, z1: float) -> float:
     """Take the solid at a pose out of the stock: the volume taken. Needs a free node for each ray that it meets.
+
+    Above the height z1 and below z0 it meets no material.
 
     Each direction sees the whole volume, but those that graze the surface see it in jumps. At each ray the square of
     the normal's component along it counts; over the three directions these sum up to one.
     """
-    z0, z1 = near_box(field, pieces, tip, axis, widest_of(pieces))
+    z0, z1 = max(z0, pieces[0, Z0]), min(z1, pieces[len(pieces) - 1, Z1])
     if z0 > z1:
         return 0.0
     begin, end = 0, len(pieces)
@@ -140,6 +142,10 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
         top, bottom = max(shadow.v, shadow.v + shadow.dv) + radius, min(shadow.v, shadow.v + shadow.dv) - radius
         begin = max(math.ceil((bottom - field.origin[v]) / sv - 0.5), 0)
         end = min(math.floor((top - field.origin[v]) / sv - 0.5), field.cells[v] - 1)
+        # between which places along the rays the tool is at all; without material an interval ends before it begins
+        reach = radius * math.sqrt(max(1.0 - lean * lean, 0.0))
+        nearest = tip_d + min(z0 * lean, z1 * lean) - reach
+        farthest = tip_d + max(z0 * lean, z1 * lean) + reach
         seen = 0.0
         for iv in range(begin, end + 1):
             at_v = field.origin[v] + (iv + 0.5) * sv
@@ -151,12 +157,14 @@ def cut_at(field: Field, pieces: Floats, tip: Floats, axis: Floats) -> float:
             right = min(math.floor((high - field.origin[u]) / su - 0.5), field.cells[u] - 1)
             for iu in range(left, right + 1):
                 ray = first_ray + iv * across + iu
-                if lows[ray] > highs[ray]:
+                node = ray
+                while node >= 0 and highs[node] <= nearest:
+                    node = following[node]
+                if node < 0 or lows[node] >= farthest:
                     continue
                 wu = first_u + (iu + 0.5) * su - tip_u
                 off, base = wu * wu + wv * wv, wu * axis_u + wv * axis_v
                 first, last = chord(pieces, off, base, lean)
-                node = ray
                 while node >= 0 and highs[node] - tip_d <= first:
                     node = following[node]
                 if node < 0 or lows[node] - tip_d >= last or first >= last:
