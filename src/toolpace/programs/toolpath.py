@@ -259,13 +259,16 @@ class ToolPath(ByValue):
     def spindle_of(self, operation: Ints, block: Ints) -> Floats:
         """(k,) turns of the spindle per second [1/s] in blocks (k,) of operations (k,), signed as `spindle`; nan where
         the program does not tell it. Where one block is executed at several speeds, the last one that it moved at."""
-        lines = int(max(self.block.max(initial=0), np.asarray(block).max(initial=0))) + 1
+        operation = integers(operation, "tool path: spindle_of: operation", ("k",))
+        block = integers(block, "tool path: spindle_of: block", (len(operation),))
+        lines = int(max(self.block.max(initial=0), block.max(initial=0))) + 1
         own = self.operation * lines + self.block
         order = np.argsort(own, kind="stable")
-        wanted = np.asarray(operation, dtype=np.int64) * lines + np.asarray(block, dtype=np.int64)
+        wanted = operation * lines + block
         place = np.searchsorted(own[order], wanted, side="right") - 1
         at = order[np.maximum(place, 0)]
-        found: Floats = np.where((place >= 0) & (own[at] == wanted), self.spindle[at], np.nan)
+        alike = (place >= 0) & (self.operation[at] == operation) & (self.block[at] == block)
+        found: Floats = np.where(alike, self.spindle[at], np.nan)
         return found
 
     @property
