@@ -66,8 +66,11 @@ if TYPE_CHECKING:
     from toolpace.planning.second_order import SecondOrder
     from toolpace.programs.reading import Kinematics, apply_feed, read, read_text
     from toolpace.programs.reading.controllers.controller import Controller, Sign
+    from toolpace.programs.reading.controllers.tool_rules import ToolRule
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+    from toolpace.programs.stock_figures import Solid, StockFigures, WorkpieceFigures
     from toolpace.programs.tolerances import Tolerances
+    from toolpace.programs.tool_figures import Frustum, ToolFigures
     from toolpace.programs.toolpath import Operation, ToolPath
     from toolpace.results.report import report
     from toolpace.results.write.set_up_folder import write_set_up
@@ -105,6 +108,7 @@ __all__ = [
     "Finding",
     "Follower",
     "FoundSetUp",
+    "Frustum",
     "Genetic",
     "Geometry",
     "JointFile",
@@ -139,20 +143,25 @@ __all__ = [
     "SetUp",
     "Sign",
     "Skipped",
+    "Solid",
     "SpeedWeights",
     "Status",
+    "StockFigures",
     "StockRange",
     "TimeLaw",
     "TimeRange",
     "Tolerances",
     "Tool",
+    "ToolFigures",
     "ToolPath",
+    "ToolRule",
     "ToolpaceError",
     "Trajectory",
     "UnitWarning",
     "Usage",
     "Verification",
     "Workers",
+    "WorkpieceFigures",
     "Zone",
     "__version__",
     "apply_feed",
@@ -206,6 +215,7 @@ _HOME = {
     "Finding": "cutting.simulation.findings",
     "Follower": "deflection.following",
     "FoundSetUp": "setup_search.found_set_up",
+    "Frustum": "programs.tool_figures",
     "Genetic": "planning.genetic",
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
@@ -240,20 +250,25 @@ _HOME = {
     "SetUp": "programs.reading.coordinates.setup",
     "Sign": "programs.reading.controllers.controller",
     "Skipped": "motion.trajectory",
+    "Solid": "programs.stock_figures",
     "SpeedWeights": "path.fit.speed_weights",
     "Status": "deflection.following",
+    "StockFigures": "programs.stock_figures",
     "StockRange": "cutting.simulation.stock_range",
     "TimeLaw": "motion.laws",
     "TimeRange": "controls.timing.uncertainty",
     "Tolerances": "programs.tolerances",
     "Tool": "programs.reading.coordinates.setup",
+    "ToolFigures": "programs.tool_figures",
     "ToolPath": "programs.toolpath",
+    "ToolRule": "programs.reading.controllers.tool_rules",
     "ToolpaceError": "common.errors",
     "Trajectory": "motion.trajectory",
     "UnitWarning": "common.errors",
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
+    "WorkpieceFigures": "programs.stock_figures",
     "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",

@@ -177,7 +177,7 @@ def targets() -> dict[str, Target]:
         found[name] = Target(name, program("gcode", Controller.load(name)), tuple(words_of(name, ())))
     found["cldata"] = Target("cldata", program("apt", None), tuple(words_of(None, ("cldata",))))
     found["csv"] = Target("csv", program("csv", None), tuple(words_of(None, ("table.py",))))
-    found["setup"] = Target("setup", set_up, tuple(words_of(None, ("setup_file.py",))))
+    found["setup"] = Target("setup", set_up, tuple(words_of(None, ("setup_file.py", "setup_tables"))))
     words = words_of("fanuc", ("controllers",)) + words_of("sinumerik", ()) + words_of("heidenhain", ())
     found["controller"] = Target("controller", controller, tuple(words))
     return found

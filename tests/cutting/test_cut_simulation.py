@@ -16,13 +16,19 @@ from toolpace.programs.tool_figures import Frustum, ToolFigures
 from toolpace.programs.toolpath import Operation
 
 MM = 1e-3
-FLAT = ToolFigures("flat", 6 * MM, flute_length=10 * MM, teeth=2, stick_out=20 * MM, holder=(Frustum(0.02, 0.03, 0.03),))
+HOLDER = (Frustum(20 * MM, 30 * MM, 30 * MM),)
+FLAT = ToolFigures("flat", 6 * MM, flute_length=10 * MM, teeth=2, stick_out=20 * MM, holder=HOLDER)
 CELL = 0.5 * MM
 LOW, HIGH = np.array([0.0, 0.0, -12.0]) * MM, np.array([20.0, 10.0, 0.0]) * MM
 
 
 def box(off: float = 0.0) -> PointStock:
     return PointStock.box(LOW - off, HIGH + off, CELL)
+
+
+def guess() -> StockRange:
+    one = box()
+    return StockRange(one, one, one, guessed=True)
 
 
 def way(points: list[Any], rapid: list[bool], speed: float = 10 * MM, operation: int = 0) -> Stations:
@@ -81,9 +87,9 @@ def test_what_is_removed_and_what_is_left_are_the_stock():
 
 def test_a_cut_that_depends_on_where_the_stock_ends_is_neither_air_nor_cutting():
     """Half a millimetre above the stock as it is told: the largest stock may be touched, the smallest is not."""
-    stock = StockRange(box(-MM), box(), box(MM))
+    stock = StockRange(box(-MM), box(), box(MM), MM)
     skim = way([[-10, 5, 0.6], [30, 5, 0.6]], [False, False])
-    (each,) = cut(skim, stock=stock, uncertainty=MM).operations
+    (each,) = cut(skim, stock=stock).operations
     assert each.cutting == 0.0 and each.removed == 0.0
     assert each.uncertain == pytest.approx(2.5, abs=0.11)
     assert each.removed_range[0] == 0.0 < each.removed_range[1]
@@ -118,7 +124,7 @@ def test_a_rapid_does_not_meet_what_the_rapid_before_has_gone_through():
 
 
 def test_a_rapid_in_the_stock_that_may_be_there_is_told_as_such():
-    stock = StockRange(box(-MM), box(), box(MM))
+    stock = StockRange(box(-MM), box(), box(MM), MM)
     (hit,) = cut(way([[-10, 5, 0.2], [30, 5, 0.2]], [True] * 2), stock=stock).findings
     assert (hit.kind, hit.certain) == ("rapid", False)
     assert hit.depth == pytest.approx(0.8 * MM, abs=CELL)
@@ -130,7 +136,7 @@ def test_a_rapid_over_the_stock_meets_nothing():
 
 def test_a_wide_holder_in_a_wall_is_found():
     """The tool stands out 20 mm; the stock beside the slot is higher than that."""
-    short = ToolFigures("flat", 6 * MM, flute_length=6 * MM, teeth=2, stick_out=8 * MM, holder=FLAT.holder)
+    short = ToolFigures("flat", 6 * MM, flute_length=6 * MM, teeth=2, stick_out=8 * MM, holder=HOLDER)
     found = cut(way([[-20, 5, -10], [30, 5, -10]], [False] * 2), tool=short)
     kinds = {each.kind: each for each in found.findings}
     assert kinds["holder"].line == 2 and kinds["holder"].depth == pytest.approx(2 * MM, abs=CELL)
@@ -142,6 +148,7 @@ def test_a_shank_that_is_wider_than_the_edge_is_found_as_a_shank():
     found = cut(way([[-20, 5, -5], [30, 5, -5]], [False] * 2), tool=wide)
     assert {each.kind for each in found.findings} == {"shank"}
     assert found.findings[0].depth == pytest.approx(2 * MM, abs=CELL)
+    assert found.removed_volume + found.left_volume == pytest.approx(found.stock_volume)
 
 
 def test_a_collision_is_told_once_not_at_each_later_pass():
@@ -169,7 +176,7 @@ def test_a_fixture_is_not_cut_and_whatever_meets_it_is_named():
     clamp = PointStock.box([22 * MM, 0.0, -12 * MM], [26 * MM, 10 * MM, 2 * MM], CELL)
     before = clamp.volume()
     over = cut(
-        way([[-10, 5, -2], [30, 5, -2]], [False] * 2), around=Surroundings(fixtures={"clamp": clamp}), guessed=True
+        way([[-10, 5, -2], [30, 5, -2]], [False] * 2), around=Surroundings(fixtures={"clamp": clamp}), stock=guess()
     )
     (hit,) = over.findings
     assert (hit.kind, hit.body) == ("gouge", "fixture clamp")
@@ -180,7 +187,7 @@ def test_a_fixture_is_not_cut_and_whatever_meets_it_is_named():
 
 def test_nothing_is_concluded_from_a_guessed_stock():
     through = way([[-10, 5, -1.5], [30, 5, -1.5], [30, 20, 5], [-10, 20, 5]], [True, True, False, False])
-    found = cut(through, guessed=True)
+    found = cut(through, stock=guess())
     assert found.guessed and not found.findings and found.removed_volume > 0.0
 
 

@@ -171,6 +171,7 @@ with zipfile.ZipFile(BOMB, "w", zipfile.ZIP_DEFLATED) as _archive:
         ("a.3mf", BOMB.getvalue(), ["no 3MF file"]),
         ("a.3mf", three_mf(BOX, "league"), ["unit 'league'"]),
         ("a.obj", b"v 0 0 0\nf 1 2 3\n", ["no OBJ file"]),
+        ("a.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ["no OBJ file"]),
         ("a.obj", b"", ["a.obj"]),
         ("a.step", b"ISO-10303-21;", ["'.step' is not read", "STL, 3MF or OBJ"]),
     ],

@@ -100,12 +100,12 @@ def test_stock_off_the_path_and_of_another_unit(tmp_path):
     box.apply_scale(1.0 / 25.4)
     box.export(tmp_path / "stock.stl")
     solid = Solid(mesh=tmp_path / "stock.stl")
-    with pytest.warns(UnitWarning, match=r'3.937 mm long, .* is it in in\? Then write mesh_unit = "in"'):
+    with pytest.warns(UnitWarning, match=r'3.937 mm long, .* is it in inches\? Then write mesh_unit = "in"'):
         check_stock_place(body_of(solid, None, SetUp()), toolpath, figures)
     in_inches = body_of(Solid(mesh=tmp_path / "stock.stl", mesh_unit="in"), None, SetUp())
     assert in_inches.bounds[1] == pytest.approx([0.1, 0.05, 0.0], abs=1e-7)
     check_stock_place(in_inches, toolpath, figures)
     box.apply_translation((0.0, 500.0, 0.0))
     box.export(tmp_path / "stock.stl")
-    with pytest.raises(UsageError, match="is it in in"):
+    with pytest.raises(UsageError, match="is it in inches"):
         check_stock_place(body_of(solid, None, SetUp()), toolpath, figures)

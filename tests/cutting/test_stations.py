@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -60,7 +62,7 @@ def test_they_are_where_the_motion_is_at_their_time(planned, parts):
 def test_time_goes_from_start_to_end_without_a_gap(planned, parts):
     assert parts[0].time[0] == pytest.approx(0.0, abs=1e-9)
     assert parts[-1].time[-1] == pytest.approx(planned[1].duration, rel=1e-9)
-    for before, behind in zip(parts, parts[1:]):
+    for before, behind in pairwise(parts):
         assert behind.time[0] == pytest.approx(before.time[-1], abs=1e-9)
         assert (np.diff(behind.time) >= 0.0).all()
 
@@ -88,8 +90,8 @@ def test_blocks_operations_and_rapids_are_those_of_the_program(planned, parts):
 
 def test_points_close_together_are_not_each_a_station():
     x = np.arange(2000) * 1e-5
-    text = "G90 G21 G94 F1000\n" + "".join(f"G1 X{1e3 * each:.3f} Y{(k % 2) * 1e-3:.4f} Z0\n" for k, each in enumerate(x))
-    toolpath = tp.read_text(text + "M30\n", MACHINE)
+    lines = [f"G1 X{1e3 * each:.3f} Y{(k % 2) * 1e-3:.4f} Z0\n" for k, each in enumerate(x)]
+    toolpath = tp.read_text(f"G90 G21 G94 F1000\n{''.join(lines)}M30\n", MACHINE)
     motion = tp.plan(tp.Path.fit(toolpath, machine=MACHINE), MACHINE, bound=False)
     (part,) = motion_stations(motion, toolpath, 0.4e-3, [0.0])
     assert len(part) < 300

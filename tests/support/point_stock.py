@@ -83,7 +83,8 @@ class PointStock:
         return Engagement(
             slice_height=self.cell, feed_direction=np.zeros((n, 3)), across=np.ones(n), along=np.zeros(n),
             first_arc=np.cumsum([0, *map(len, slices)]), slice=np.concatenate(slices), entry=np.zeros(count),
-            exit=np.full(count, 2.0 * np.pi), bottom=np.zeros(n), removed=removed, width=width, depth=depth, penetration=penetration,
+            exit=np.full(count, 2.0 * np.pi), bottom=np.zeros(n), removed=removed, width=width, depth=depth,
+            penetration=penetration,
         )  # fmt: skip
 
     def depth_in_material(self, solids: Solids, stations: Stations) -> np.ndarray:

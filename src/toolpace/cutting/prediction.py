@@ -77,6 +77,7 @@ class Stations:
             axis_tolerance=path.axis_tolerance[kept],
             tool_length=path.tool_length[kept],
             bow=path.bow[kept],
+            spindle=path.spindle[kept],
         )
 
 

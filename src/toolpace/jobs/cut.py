@@ -73,7 +73,7 @@ def cut_program(
     after_operation: Callable[[int, Stock], None],
 ) -> ProgramCut:
     """Plan and cut one program; `left` is the stock that another one left, else it is the sheet's."""
-    from toolpace.cutting.simulation import simulate_cut
+    from toolpace.cutting.simulation import set_up, simulate_cut
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     task = job.loaded(
@@ -92,6 +92,10 @@ def cut_program(
     )
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)
+    # what the sheet lacks is said before the plan, which may take minutes
+    tools, _ = set_up.tools_in_use(toolpath, request.options.setup)
+    if left is None:
+        set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
     with with_cure_of_zero(toolpath.assumed):
         planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
     with steps.step("cutting") as step:

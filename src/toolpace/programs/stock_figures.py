@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from toolpace.common.errors import UsageError
@@ -102,3 +102,13 @@ class WorkpieceFigures:
     """By how much the tool may be below the finished part [m]."""
     fixtures: tuple[tuple[str, Solid], ...] = ()
     """By name."""
+
+    def without_offsets(self) -> WorkpieceFigures:
+        """Those bodies that lie in the frame of the part, whatever the work offsets are."""
+        stock, part = self.stock, self.finished_part
+        return replace(
+            self,
+            stock=None if stock is None or stock.solid.frame else stock,
+            finished_part=None if part is None or part.frame else part,
+            fixtures=tuple(each for each in self.fixtures if not each[1].frame),
+        )

@@ -19,6 +19,8 @@ from toolpace.common.units import (
     refuse_other_unit,
 )
 from toolpace.common.value_objects import ByValue, counted, one_line
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.tool_figures import ToolFigures
 
 UNIT = 1e-6
 """By how much the length of a tool axis may differ from 1."""
@@ -58,6 +60,8 @@ class Operation:
     """Number or name of the tool as the program writes it; empty where it names none."""
     told_lengths: tuple[float, ...] = ()
     """Lengths of it by the program's own words, where they are not the table's [m]: H of another number, DL, G43.1."""
+    figures: ToolFigures | None = None
+    """Its shape, as far as the program tells it (TLDATA, TOOL DEF, a rule of the controller's file); else None."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -121,6 +125,12 @@ class ToolPath(ByValue):
     """(n,) most distance of the program's own way to the point from the straight one [m]: arcs, splines, and the ways
     of the tip that words of joints tell are read as points close together. 0 where it is straight."""
 
+    spindle: Floats = field(default_factory=untold)
+    """(n,) turns of the spindle per second on the way to the point [1/s]: above zero clockwise seen from the spindle
+    (M3), below it counterclockwise (M4), 0 where it stands; nan where the program does not tell it."""
+    workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
+    """What the program tells of the workpiece (BLK FORM, WORKPIECE)."""
+
     def __post_init__(self) -> None:
         taken = self._figures() | self._marks()
         if self.rotary is not None:
@@ -156,7 +166,9 @@ class ToolPath(ByValue):
             if (taken[name] < 0.0).any():
                 at = int(np.argmin(taken[name]))
                 raise UsageError(f"tool path: {name} {at} is {taken[name][at]:g} s; give times of 0 or more")
-        for name, width in (("tip_tolerance", ()), ("axis_tolerance", ()), ("tool_length", ()), ("normal", (3,))):
+        for name, width in (
+            ("tip_tolerance", ()), ("axis_tolerance", ()), ("tool_length", ()), ("spindle", ()), ("normal", (3,)),
+        ):  # fmt: skip
             value = numbers(getattr(self, name), f"tool path: {name}", ("n", *width), finite=False)
             # a column that tells nothing may have any length: of a path that points were taken out of
             holds_values = value.size > 0 and not np.isnan(value).all()
@@ -244,6 +256,21 @@ class ToolPath(ByValue):
             return self
         return replace(self, tip=self.tip + other[:, None] * self.axis, tool_length=untold())
 
+    def spindle_of(self, operation: Ints, block: Ints) -> Floats:
+        """(k,) turns of the spindle per second [1/s] in blocks (k,) of operations (k,), signed as `spindle`; nan where
+        the program does not tell it. Where one block is executed at several speeds, the last one that it moved at."""
+        operation = integers(operation, "tool path: spindle_of: operation", ("k",))
+        block = integers(block, "tool path: spindle_of: block", (len(operation),))
+        lines = int(max(self.block.max(initial=0), block.max(initial=0))) + 1
+        own = self.operation * lines + self.block
+        order = np.argsort(own, kind="stable")
+        wanted = operation * lines + block
+        place = np.searchsorted(own[order], wanted, side="right") - 1
+        at = order[np.maximum(place, 0)]
+        alike = (place >= 0) & (self.operation[at] == operation) & (self.block[at] == block)
+        found: Floats = np.where(alike, self.spindle[at], np.nan)
+        return found
+
     @property
     def least_duration(self) -> float:
         """What no motion along it can be shorter than by much [s]: its feeds, least times and dwells."""
@@ -281,4 +308,5 @@ def columns_at(toolpath: ToolPath, origin: Ints, own: Bools) -> dict[str, Any]:
         "axis_tolerance": toolpath.axis_tolerance[origin],
         "tool_length": toolpath.tool_length[origin],
         "bow": toolpath.bow[origin],
+        "spindle": toolpath.spindle[origin],
     }

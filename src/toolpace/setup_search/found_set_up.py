@@ -185,12 +185,12 @@ class FoundSetUp:
 def sheet_of(machine: Machine, setup: SetUp | None = None) -> SetUp:
     """The set-up sheet of a machine with its part: that of the machine file, or `setup`, with the part where it is.
 
-    Work offsets are left out: they tell where the part was.
+    Work offsets are left out, and bodies that they place: they tell where the part was.
     """
     sheet = setup_in(machine) if setup is None else setup
     chain = machine.file.chain
     part = {"origin": chain.workpiece_origin, "x": chain.workpiece_x, "z": chain.workpiece_z}
-    return replace(sheet, part=part, offsets={})
+    return replace(sheet, part=part, offsets={}, workpiece=sheet.workpiece.without_offsets())
 
 
 def with_sheet(machine: Machine, setup: SetUp | None = None) -> Machine:

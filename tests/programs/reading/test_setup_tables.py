@@ -14,7 +14,7 @@ from toolpace.machine.machine import Machine
 from toolpace.programs.reading import read_text
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 from toolpace.programs.reading.findings import Used
-from toolpace.programs.reading.setup_file import load_setup, setup_of_text, setup_sheet, setup_text
+from toolpace.programs.reading.setup_file import load_setup, setup_of_text, setup_sheet, setup_text, with_told
 from toolpace.programs.stock_figures import Solid, StockFigures, WorkpieceFigures
 from toolpace.programs.tool_figures import KINDS, Frustum, ToolFigures
 
@@ -248,6 +248,23 @@ def test_tools_without_a_length_are_as_long_as_the_machines_own():
     assert mixed.tool_length[0] == 0.05 and mixed.tool_length[-1] == own
 
 
+def test_what_a_program_tells_is_filled_in_where_the_sheet_does_not_tell_it():
+    told = {"1": ToolFigures("flat", 0.01), "02": ToolFigures("ball", 0.006)}
+    stock = WorkpieceFigures(StockFigures(Solid(box=((0.0, 0.0, -0.02), (0.1, 0.1, 0.0)))))
+    sheet = setup_of_text("[tools.1]\ndiameter = 8\n[tools.2]\nlength = 90\n")
+    found = with_told(sheet, told, stock)
+    assert found.figures_of("1").diameter == 0.008 and found.workpiece == stock
+    assert found.tools["2"] == Tool(0.09, figures=told["02"])
+    assert with_told(replace(sheet, workpiece=stock), {}, WorkpieceFigures()).workpiece == stock
+
+
+def test_bodies_in_work_offsets_are_left_out_where_the_part_is_clamped_elsewhere():
+    box = ((0.0, 0.0, -0.02), (0.1, 0.1, 0.0))
+    here, there = Solid(box=box), Solid(box=box, frame="G54")
+    kept = WorkpieceFigures(StockFigures(here), there, fixtures=(("a", here), ("b", there))).without_offsets()
+    assert kept == WorkpieceFigures(StockFigures(here), fixtures=(("a", here),))
+
+
 def test_a_sheet_to_fill_in_has_lines_for_tools_and_stock():
     used = Used({}, {}, {"4": None}, False)
     text = setup_sheet("part.nc", used, None, SetUp(), [(0.0, 0.1), (-0.02, 0.05), (-0.003, 0.01)])
@@ -260,5 +277,6 @@ def test_a_sheet_to_fill_in_has_lines_for_tools_and_stock():
     assert setup.figures_of("4") == ToolFigures("flat", 0.01, flute_length=0.022, teeth=2, stick_out=0.035)
     assert setup.workpiece.stock.uncertainty == 1e-3
     assert setup_of_text(setup_sheet("part.nc", used, None, setup)) == setup
+    assert "# holder = " in setup_sheet("part.nc", used, None, setup)
     # without any change it says nothing of the cut
     assert setup_of_text(text).workpiece == WorkpieceFigures() and setup_of_text(text).figures_of("4") is None

@@ -198,7 +198,7 @@ def show_findings(console: Console, simulation: CutSimulation) -> None:
     if not simulation.collisions:
         console.print("no collision found" + ("; with the stock none was looked for" if simulation.guessed else ""))
     console.print(
-        f"collisions less deep than {format_length(simulation.smallest_contact)} are not seen", style="dim"
+        f"collisions less deep than {format_length(simulation.smallest_contact)} may not be seen", style="dim"
     )
 
 

@@ -1,6 +1,6 @@
 """The checksum file by which a folder is known as written by toolpace and unchanged since.
 
-Its main file (plan.json, study.json, export.json, time.json, inspect.json) ends with a seal: the checksums of all other
+Its main file (plan.json, study.json, export.json, cut.json and others) ends with a seal: the checksums of all other
 files, and one of itself, taken with zeros in place of that checksum. A folder that holds anything else, or anything
 changed, is not toolpace's to replace.
 """
@@ -12,7 +12,7 @@ import json
 import os
 from pathlib import Path
 
-MAIN = ("plan.json", "study.json", "export.json", "time.json", "inspect.json", "setup.json")
+MAIN = ("plan.json", "study.json", "export.json", "time.json", "inspect.json", "setup.json", "cut.json")
 """Files that can bear a seal."""
 KEY = "seal"
 _OPEN = "0" * 64

@@ -102,10 +102,11 @@ def toml_text(table: Mapping[str, Any], above: str = "") -> str:
     return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 
-def _lines(table: Mapping[str, Any], above: str) -> list[str]:
+def _lines(table: Mapping[str, Any], above: str, headed: bool = False) -> list[str]:
+    """headed: whether the heading of the table itself stands there already, as that of one in a list does."""
     inner = {key: value for key, value in table.items() if _is_table(value) or _is_tables(value)}
     lines = [f"{toml_key(key)} = {toml_value(value)}" for key, value in table.items() if key not in inner]
-    if above and (lines or not inner):
+    if above and not headed and (lines or not inner):
         lines = [f"[{above}]", *lines]
     for key, value in inner.items():
         heading = f"{above}.{toml_key(key)}" if above else toml_key(key)
@@ -113,7 +114,7 @@ def _lines(table: Mapping[str, Any], above: str) -> list[str]:
             lines += ["", *_lines(value, heading)]
             continue
         for each in value:
-            lines += ["", f"[[{heading}]]", *_lines(each, "")]
+            lines += ["", f"[[{heading}]]", *_lines(each, heading, headed=True)]
     return lines
 
 

@@ -53,17 +53,21 @@ def simulate_cut(
         raise UsageError(f"simulate_cut: {kind} in place of a trajectory; give what tp.plan returns")
     if not hasattr(setup, "workpiece"):
         raise UsageError(f"simulate_cut: {type(setup).__name__} in place of a set-up sheet; give a tp.SetUp")
+    machine = trajectory.axis_path.machine
+    if machine is None:
+        raise UsageError("simulate_cut: the motion has no machine, and so no tool; plan a Path on a Machine")
     tools, assumed = set_up.tools_in_use(toolpath, setup)
-    figures = set_up.stock_of(toolpath, setup, tools)
-    cut = stock.copy() if stock is not None else set_up.stock_range(figures, resolution, memory)
+    if stock is not None:
+        cut = stock.copy()
+    else:
+        cut, notes = set_up.stock_range(toolpath, setup, machine, tools, resolution, memory)
+        assumed += notes
     cell = cut.nominal.resolution
     reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
     return cut_stations(
         motion_stations(trajectory, toolpath, cell, reach),
-        toolpath.operations, tools, cut, set_up.surroundings(setup, cell, memory),
+        toolpath.operations, tools, cut, set_up.surroundings(setup, machine, cell, memory),
         resolution=cell,
-        uncertainty=0.0 if figures.guessed else figures.uncertainty,
-        guessed=figures.guessed,
         assumed=assumed,
         after_operation=after_operation,
         progress=progress,

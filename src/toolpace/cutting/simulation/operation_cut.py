@@ -36,6 +36,9 @@ class CutStretch:
     """With the stock smaller by its uncertainty all round: what is cut in any case."""
     possible: Engagement
     """With the stock larger by it: nothing else can be cut."""
+    removed_above: tuple[float, float, float]
+    """Volume that shank and holder took out of the smallest, the nominal and the largest stock: where they meet it, it
+    goes [m3]."""
     resolution: float
     """[m]"""
 
@@ -51,7 +54,7 @@ class CutStretch:
     @property
     def removed(self) -> float:
         """Volume [m3]."""
-        return float(self.engagement.removed.sum())
+        return float(self.engagement.removed.sum()) + self.removed_above[1]
 
     def contact(self, engagement: Engagement) -> Bools:
         """(n,) whether something is cut on the way to each station."""
@@ -121,6 +124,7 @@ def operation_cut(operation: Operation, figures: ToolFigures | None, stretches: 
     for each in stretches:
         seconds = each.seconds
         removed += [engagement.removed.sum() for engagement in (each.certain, each.engagement, each.possible)]
+        removed += each.removed_above
         peak = max(peak, float(removal_rate(each)[1].max(initial=0.0)))
         contact = each.contact(each.engagement)
         width = max(width, float(each.engagement.width[contact].max(initial=0.0)))

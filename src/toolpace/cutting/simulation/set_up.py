@@ -10,11 +10,16 @@ from toolpace.common.errors import UsageError
 from toolpace.cutting.simulation.simulate import Surroundings, ToolInUse
 from toolpace.cutting.simulation.stock_range import StockRange
 from toolpace.cutting.stock.dexels import DexelStock
+from toolpace.cutting.stock.solids import Body, body_of, check_stock_place, guessed_stock
 from toolpace.cutting.tool_profile import ToolProfile
+from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.stock_figures import Solid, StockFigures
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
+
+FAR = 0.1
+"""Beyond this from all that the tip passes a stock is in the wrong place, or in another unit [m]."""
 
 
 def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | None], list[str]]:
@@ -26,15 +31,15 @@ def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | Non
     found: list[ToolInUse | None] = []
     assumed: dict[str, None] = {}
     for k, operation in enumerate(toolpath.operations):
-        figures = setup.figures_of(operation.tool)
+        figures = setup.figures_of(operation.tool) or operation.figures
         if figures is None:
             if k in cutting:
                 raise UsageError(_without_figures(toolpath, k, setup))
             found.append(None)
             continue
         found.append(ToolInUse(figures, ToolProfile.of(figures)))
-        called = f"tool {operation.tool}" if operation.tool else "the only tool of the sheet"
-        if not operation.tool:
+        called = f"tool {operation.tool}" if operation.tool else "the only tool"
+        if not operation.tool and operation.figures is None:
             assumed["the program names no tool: the only one of the sheet is taken"] = None
         assumed |= {f"{called}: {sentence}": None for sentence in (*figures.assumed, *_unknown(figures))}
     return found, list(assumed)
@@ -62,42 +67,58 @@ def _without_figures(toolpath: ToolPath, operation: int, setup: SetUp) -> str:
     return f"{place}: tool {each.tool} {there}; write [tools.{name}] with kind, diameter, flute_length on {sheet}"
 
 
-def stock_of(toolpath: ToolPath, setup: SetUp, tools: Sequence[ToolInUse | None]) -> StockFigures:
-    """The stock of the sheet; else a guess, the box around all cutting moves. Raises UsageError where nothing cuts."""
-    if setup.workpiece.stock is not None:
-        return setup.workpiece.stock
-    at = np.flatnonzero(~toolpath.rapid)
-    if not len(at):
-        raise UsageError(f"{toolpath.source or 'the program'}: no move is at feed, so that nothing is cut")
-    radius = np.array([0.0 if tool is None else tool.profile.radius for tool in tools])[toolpath.operation[at]]
-    low = (toolpath.tip[at] - radius[:, None] * [1.0, 1.0, 0.0]).min(axis=0)
-    high = (toolpath.tip[at] + radius[:, None]).max(axis=0)
-    return StockFigures(Solid(box=(tuple(low.tolist()), tuple(high.tolist()))), 0.0, guessed=True)
+def stock_range(
+    toolpath: ToolPath,
+    setup: SetUp,
+    machine: Machine,
+    tools: Sequence[ToolInUse | None],
+    resolution: float | None,
+    memory: float,
+) -> tuple[StockRange, list[str]]:
+    """The stock of the sheet, else that of the program, else a guess; and what is assumed of it, a sentence each.
+
+    With it the same smaller and larger by its uncertainty. Raises UsageError where it is none, or lies elsewhere.
+    """
+    figures, body = stock_body(toolpath, setup, machine, tools)
+    nominal = dexels(body, resolution, memory / 3.0)
+    notes = [f"stock: {note}" for note in body.notes]
+    if figures.guessed or figures.uncertainty == 0.0:
+        return StockRange(nominal, nominal, nominal, guessed=figures.guessed), notes
+    off = figures.uncertainty
+    return StockRange(nominal.shrunk(off), nominal, nominal.grown(off), off), notes
 
 
-def stock_range(figures: StockFigures, resolution: float | None, memory: float) -> StockRange:
-    """The stock, and the same smaller and larger by its uncertainty. Raises UsageError."""
-    off = 0.0 if figures.guessed else figures.uncertainty
-    nominal = dexels(figures.solid, resolution, memory / 3.0)
-    if off == 0.0:
-        return StockRange(nominal, nominal, nominal)
-    return StockRange(nominal.shrunk(off), nominal, nominal.grown(off))
+def stock_body(
+    toolpath: ToolPath, setup: SetUp, machine: Machine, tools: Sequence[ToolInUse | None]
+) -> tuple[StockFigures, Body]:
+    """The figures of the stock, and its body in the frame of the part. Raises UsageError as `stock_range`."""
+    shapes = [None if tool is None else tool.figures for tool in tools]
+    figures = setup.workpiece.stock or toolpath.workpiece.stock or guessed_stock(toolpath, shapes)
+    body = body_of(figures.solid, machine, setup)
+    low, high = body.bounds
+    apart = np.maximum(np.maximum(low - toolpath.tip.max(axis=0), toolpath.tip.min(axis=0) - high), 0.0)
+    # a program that only passes by, in air, is a finding
+    if body.unit_assumed or float(np.linalg.norm(apart)) > FAR:
+        check_stock_place(body, toolpath, shapes, figures.solid.source or "[stock]")
+    return figures, body
 
 
-def surroundings(setup: SetUp, resolution: float, memory: float) -> Surroundings:
+def surroundings(setup: SetUp, machine: Machine, resolution: float, memory: float) -> Surroundings:
     """What must not be cut."""
-    part = setup.workpiece.finished_part
-    return Surroundings(
-        None if part is None else dexels(part, resolution, memory),
-        setup.workpiece.gouge_tolerance,
-        {name: dexels(solid, resolution, memory) for name, solid in setup.workpiece.fixtures},
-    )
+
+    def around(solid: Solid) -> DexelStock:
+        return dexels(body_of(solid, machine, setup), resolution, memory)
+
+    workpiece = setup.workpiece
+    part = workpiece.finished_part
+    fixtures = {name: around(solid) for name, solid in workpiece.fixtures}
+    return Surroundings(None if part is None else around(part), workpiece.gouge_tolerance, fixtures)
 
 
-def dexels(solid: Solid, resolution: float | None, memory: float) -> DexelStock:
-    """A solid as rays, in the frame of the part."""
-    if solid.box is not None:
-        return DexelStock.box(*solid.box, resolution, memory)
-    if solid.cylinder is not None:
-        return DexelStock.cylinder(*solid.cylinder, resolution, memory)
-    raise UsageError(f"{solid.source}: a mesh")
+def dexels(body: Body, resolution: float | None, memory: float) -> DexelStock:
+    """A body as rays."""
+    if body.box is not None:
+        return DexelStock.box(*body.box, resolution, memory)
+    if body.cylinder is not None:
+        return DexelStock.cylinder(*body.cylinder, resolution, memory)
+    return DexelStock.mesh(body.triangles(), resolution, memory)

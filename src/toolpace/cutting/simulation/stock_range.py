@@ -43,6 +43,8 @@ class Met(NamedTuple):
     """(n,) how deep the shank is in it, when the station is reached [m]."""
     holder: Floats
     """(n,)"""
+    removed_above: float
+    """Volume that shank and holder took out of the stock [m3]."""
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,18 @@ class StockRange:
     """As its figures are."""
     largest: Stock
     """Larger by the uncertainty."""
+    uncertainty: float = 0.0
+    """How far the surface of the stock may be from where it is said to be [m]."""
+    guessed: bool = False
+    """Whether it is the box around all cutting moves, for want of a better one: nothing is concluded from it."""
 
     def copy(self) -> StockRange:
         """One that is cut by itself."""
         if self.smallest is self.nominal and self.largest is self.nominal:
-            return StockRange(*(self.nominal.copy(),) * 3)
-        return StockRange(self.smallest.copy(), self.nominal.copy(), self.largest.copy())
+            stocks = (self.nominal.copy(),) * 3
+        else:
+            stocks = self.smallest.copy(), self.nominal.copy(), self.largest.copy()
+        return StockRange(*stocks, self.uncertainty, self.guessed)
 
     def each(self, work: Callable[[Stock], Result]) -> list[Result]:
         """What `work` returns of each of the three, in threads of their own: they have nothing in common."""
@@ -75,16 +83,19 @@ class StockRange:
         of all three alike, so that each stays within the next.
         """
         met = self.each(lambda stock: meet(stock, tool, stations, rapid))
-        self.remove(tool.shank, stations, np.max([each.shank for each in met], axis=0) > least)
-        self.remove(tool.holder, stations, np.max([each.holder for each in met], axis=0) > least)
-        return met
+        removed = [0.0, 0.0, 0.0]
+        for solids, part in ((tool.shank, "shank"), (tool.holder, "holder")):
+            where: Bools = np.max([getattr(each, part) for each in met], axis=0) > least
+            if where.any():
+                colliding = stations.where(where)
+                taken = self.each(lambda stock: remove(stock, solids, colliding))  # noqa: B023
+                removed = [before + more for before, more in zip(removed, taken)]
+        return [each._replace(removed_above=volume) for each, volume in zip(met, removed)]
 
-    def remove(self, solids: Solids, stations: Stations, where: Bools) -> None:
-        """Remove solids from all three, at those stations that are marked (n,)."""
-        if where.any():
-            colliding = stations.where(where)
-            for solid in solids:
-                self.each(lambda stock, solid=solid: stock.cut(ToolProfile(solid), colliding))  # type: ignore[misc]
+
+def remove(stock: Stock, solids: Solids, stations: Stations) -> float:
+    """The volume that solids take out of a stock at stations [m3]."""
+    return sum(float(stock.cut(ToolProfile(solid), stations).removed.sum()) for solid in solids)
 
 
 def meet(stock: Stock, tool: ToolProfile, stations: Stations, rapid: bool) -> Met:
@@ -94,8 +105,10 @@ def meet(stock: Stock, tool: ToolProfile, stations: Stations, rapid: bool) -> Me
     the whole collision. At feed what is before the shank changes from station to station.
     """
     if rapid:
-        depths = [stock.depth_in_material(solids, stations) for solids in ((tool.cutting,), tool.shank, tool.holder)]
-        return Met(stock.cut(tool, stations), *depths)
+        cutting, shank, holder = (
+            stock.depth_in_material(solids, stations) for solids in ((tool.cutting,), tool.shank, tool.holder)
+        )
+        return Met(stock.cut(tool, stations), cutting, shank, holder, 0.0)
     engagement = stock.cut(tool, stations)
-    shank, holder = engagement.penetration.T if len(engagement.penetration) else np.zeros((2, len(stations)))
-    return Met(engagement, np.zeros(len(stations)), shank, holder)
+    shank, holder = engagement.penetration.T
+    return Met(engagement, np.zeros(len(stations)), shank, holder, 0.0)

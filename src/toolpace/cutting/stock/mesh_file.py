@@ -30,7 +30,10 @@ MESH_UNITS = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "meter": 1
 """Units that a 3MF file may tell (3MF Core Specification 1.3, 3.4); trimesh puts an s behind."""
 _HEADER, _FACET = 84, 50
 """Bytes of the head of a binary STL file, and of a triangle."""
+_PIECE = 10_000_000
+"""Bytes of an ASCII STL file that are read at once."""
 _VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+_NONE: npt.NDArray[np.float64] = np.zeros((0, 3, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,13 +144,21 @@ def _ascii_stl(data: bytes, path: Path) -> Floats:
     facets = text.count(b"endfacet")
     if facets > MOST_TRIANGLES:
         _too_many(path, facets)
-    found = _VERTEX.findall(data)
-    if len(found) != 3 * facets:
-        _fail(path, f"has {len(found)} corners of {facets} triangles; export the body again")
-    try:
-        return np.array(found, dtype=np.bytes_).astype(np.float64).reshape(-1, 3, 3)
-    except ValueError:
-        _fail(path, "has a corner that is not three numbers; export the body again")
+    corners, begin = [_NONE.reshape(-1, 3)], 0
+    while begin < len(data):
+        # piece by piece: as words a file takes thirty times its size
+        end = text.find(b"endfacet", begin + _PIECE)
+        end = len(data) if end < 0 else end
+        found = _VERTEX.findall(data, begin, end)
+        try:
+            corners.append(np.array(found, dtype=np.bytes_).reshape(-1, 3).astype(np.float64))
+        except ValueError:
+            _fail(path, "has a corner that is not three numbers; export the body again")
+        begin = end
+    found_corners = np.concatenate(corners)
+    if len(found_corners) != 3 * facets:
+        _fail(path, f"has {len(found_corners)} corners of {facets} triangles; export the body again")
+    return found_corners.reshape(-1, 3, 3)
 
 
 def _by_trimesh(data: bytes, suffix: str, path: Path) -> tuple[Floats, float | None]:
@@ -168,6 +179,8 @@ def _by_trimesh(data: bytes, suffix: str, path: Path) -> tuple[Floats, float | N
         meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
         corners = np.concatenate([np.asarray(each.vertices)[np.asarray(each.faces)] for each in meshes] or [_NONE])
         corners = np.ascontiguousarray(corners, dtype=np.float64)
+        if corners.shape[1:] != (3, 3):
+            raise ValueError("its corners do not have three coordinates each")
     # what a library raises of a damaged file is anything at all
     except Exception as error:
         why = in_short(error) or type(error).__name__
@@ -178,9 +191,6 @@ def _by_trimesh(data: bytes, suffix: str, path: Path) -> tuple[Floats, float | N
     if scale is None:
         _fail(path, f"tells the unit '{printable(str(unit))[:40]}', which is none of 3MF; export the body again")
     return corners, scale
-
-
-_NONE: npt.NDArray[np.float64] = np.zeros((0, 3, 3))
 
 
 def _check_archive(data: bytes, path: Path) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UnitWarning, UsageError
-from toolpace.common.units import INCH, MILLIMETRE
+from toolpace.common.units import LENGTHS, MILLIMETRE
 from toolpace.cutting.stock.mesh_file import load_mesh
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
@@ -24,6 +24,7 @@ SQUARE = 1e-9
 """How far a direction may be off an axis of the frame for a box to be taken as a box."""
 SURE_OF_UNIT = 0.1
 """How near the sizes of mesh and program have to be, in parts, for another unit to be named."""
+UNIT_NAMES = {"in": "inches", "m": "metres", "cm": "centimetres"}
 FACETS = 256
 """Of a cylinder that is drawn as a mesh."""
 
@@ -188,7 +189,9 @@ def check_stock_place(
     low, high = body.bounds
     size, room = float((high - low).max()), float((bounds[1] - bounds[0]).max())
     unit = _other_unit(size, room) if body.unit_assumed else ""
-    cure = f'is it in {unit}? Then write mesh_unit = "{unit}"' if unit else "check its place (origin, frame) and unit"
+    cure = "check its place (origin, frame) and unit"
+    if unit:
+        cure = f'is it in {UNIT_NAMES[unit]}? Then write mesh_unit = "{unit}"'
     gap = np.maximum(np.maximum(low - bounds[1], bounds[0] - high), 0.0)
     if (away := float(np.linalg.norm(gap))) > 0.0:
         raise UsageError(
@@ -205,7 +208,8 @@ def check_stock_place(
 
 def _other_unit(size: float, room: float) -> str:
     """The unit in which a mesh that was read in mm would be as long as the program's moves; empty: none, or mm."""
-    for unit, scale in (("in", INCH / MILLIMETRE), ("m", 1e3), ("cm", 10.0)):
+    for unit in UNIT_NAMES:
+        scale = LENGTHS[unit] / MILLIMETRE
         if abs(math.log(room / (size * scale))) < SURE_OF_UNIT * math.log(scale) + 0.3:
             return unit
     return ""

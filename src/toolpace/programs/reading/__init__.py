@@ -12,6 +12,7 @@ from toolpace.common.errors import UsageError
 from toolpace.programs.commanded import Commanded
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.controllers.recognise import doubts
+from toolpace.programs.reading.controllers.tool_rules import with_rules
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.feeds import FeedChange, apply_feed, with_doubt_of_slow_feeds
@@ -185,7 +186,8 @@ def _run(
     if found.dialect == CONTROLS:
         assert found.controller is not None
         toolpath = reader_of(source, machine, found.controller, options, findings).executed().toolpath()
-        return dataclasses.replace(toolpath, numbered=numbered_blocks(source))
+        operations = with_rules(toolpath.operations, found.controller.tools, source.lines, source.name)
+        return dataclasses.replace(toolpath, numbered=numbered_blocks(source), operations=operations)
     if found.dialect == "cldata":
         from toolpace.programs.reading.cldata.reader import ClReader
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from toolpace.common.errors import ProgramError, printable
 from toolpace.common.value_objects import counted
 from toolpace.programs.reading.source import Source
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.tool_figures import ToolFigures
 
 MOST_LISTED = 60
 """Refused words that a message lists: a file of more kinds is of another dialect."""
@@ -61,6 +63,10 @@ class Findings:
         self.skipped: Counter[str] = Counter()
         """Words without meaning for motion, and how often."""
         self.used = Used()
+        self.told_tools: dict[str, ToolFigures] = {}
+        """Shapes of tools by number or name, as the program tells them."""
+        self.workpiece = WorkpieceFigures()
+        """As the program tells it."""
         self.arcs = 0
         """Motions along arcs."""
         self._assumed: dict[str, None] = {}

@@ -19,6 +19,8 @@ from toolpace.programs.reading.languages import CONTROLS, Recognised, recognised
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.setup_file import with_cure_of_zero
 from toolpace.programs.reading.source import Source
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
 TURNED = 1e-9
@@ -84,6 +86,10 @@ class Inspection:
     not_on: dict[str, str] = field(default_factory=dict)
     """The others, and why not."""
     used: Used = field(default_factory=Used)
+    shapes: dict[str, ToolFigures] = field(default_factory=dict)
+    """Shapes of tools that the program tells, by number or name."""
+    workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
+    """What the program tells of the workpiece."""
 
 
 @dataclass(frozen=True)
@@ -279,6 +285,8 @@ def _with_motion(inspection: Inspection, toolpath: ToolPath) -> Inspection:
         dwells=int((toolpath.dwell > 0.0).sum()),
         dwell_s=float(toolpath.dwell.sum()),
         tools=tuple(dict.fromkeys([*inspection.tools, *tools])),
+        shapes={each.tool: each.figures for each in toolpath.operations if each.tool and each.figures is not None},
+        workpiece=toolpath.workpiece,
         tip=(x, y, z),
         tilt=_range(tilt),
         rotary={name: _range(rotary[:, k]) for k, name in enumerate(toolpath.rotary_joints) if rotary.shape[1] > k},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 import numpy as np
@@ -14,7 +14,8 @@ from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.feeds import LONGEST, SLOWEST, feed_fault
 from toolpace.programs.reading.findings import Findings
 from toolpace.programs.reading.source import Source
-from toolpace.programs.toolpath import Operation, ToolPath, no_normals
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.toolpath import Operation, ToolPath, no_normals, untold
 
 SAME = 1e-12
 """ProgramPoints closer than this [m, rad] are the same point."""
@@ -53,6 +54,8 @@ class ProgramPoints:
     """(n,) of the tool whose tip is meant [m]; None: of the machine's own."""
     bow: Floats | None = None
     """(n,) most distance of the way to the point from the straight one [m]; None: all are straight."""
+    spindle: Floats | None = None
+    """(n,) turns per second [1/s], as ToolPath has them; None: nothing tells them."""
 
     def of_one_tool(self, axis: Floats) -> Floats:
         """(n, 3) the tips as they would be with the first tool at unit axes (n, 3): what joints move shows in them."""
@@ -71,14 +74,20 @@ class ProgramFacts:
     blocks: int = 0
     operations: tuple[Operation, ...] = (Operation(),)
     controller: str = ""
+    workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
 
     @staticmethod
     def of(
         findings: Findings, blocks: int, operations: tuple[Operation, ...] = (), controller: str = ""
     ) -> ProgramFacts:
         """With what was found while it was read."""
+        told = findings.told_tools
+        shaped = [
+            each if each.figures is not None or each.tool not in told else replace(each, figures=told[each.tool])
+            for each in operations or (Operation(),)
+        ]
         return ProgramFacts(
-            dict(findings.skipped), findings.assumptions, blocks, operations or (Operation(),), controller
+            dict(findings.skipped), findings.assumptions, blocks, tuple(shaped), controller, findings.workpiece
         )
 
 
@@ -124,6 +133,8 @@ def assemble(source: Source, points: ProgramPoints, facts: ProgramFacts) -> Tool
         tool_length=tool_length,
         bow=np.zeros(len(kept)) if points.bow is None else points.bow[kept],
         normal=no_normals() if points.normal is None else np.ascontiguousarray(points.normal[kept]),
+        spindle=untold() if points.spindle is None else points.spindle[kept],
+        workpiece=facts.workpiece,
     )
 
 

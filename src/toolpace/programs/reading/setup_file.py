@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,6 +23,7 @@ from toolpace.programs.reading.coordinates.setup import (
     ZERO_CURE,
     Position,
     SetUp,
+    Tool,
     offset_name,
     tool_name,
 )
@@ -29,8 +31,10 @@ from toolpace.programs.reading.coordinates.work_coordinates import Datum
 from toolpace.programs.reading.findings import Used
 from toolpace.programs.reading.points import FARTHEST
 from toolpace.programs.reading.setup_tables.quantities import ANGLES, LENGTHS, MOST_TURN
-from toolpace.programs.reading.setup_tables.tools import TO_FILL_IN, ToolTables, tool_table, tool_table_to_fill_in
+from toolpace.programs.reading.setup_tables.tools import ToolTables, lines_to_fill_in, tool_table, tool_table_to_fill_in
 from toolpace.programs.reading.setup_tables.workpiece import STOCK_TO_FILL_IN, WorkpieceTables, workpiece_tables
+from toolpace.programs.stock_figures import WorkpieceFigures
+from toolpace.programs.tool_figures import ToolFigures
 
 FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
@@ -224,6 +228,16 @@ def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
         raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
 
 
+def with_told(setup: SetUp, shapes: Mapping[str, ToolFigures], workpiece: WorkpieceFigures) -> SetUp:
+    """The set-up with the shapes of tools, and the stock, that a program tells and the sheet does not."""
+    tools = dict(setup.tools)
+    for name, figures in shapes.items():
+        tool = tools.get(tool_name(name), Tool())
+        if tool.figures is None:
+            tools[tool_name(name)] = replace(tool, figures=figures)
+    return replace(setup, tools=tools, workpiece=workpiece if setup.workpiece.stock is None else setup.workpiece)
+
+
 def setup_sheet(
     program: str,
     used: Used,
@@ -252,8 +266,7 @@ def setup_sheet(
         tool = setup.tool(name)
         table: dict[str, Any] = tool_table_to_fill_in(tool, own.own_length)
         lines = [f"# {TOOL}", f"[tools.{toml_key(name)}]", *(f"{key} = {toml_value(table[key])}" for key in table)]
-        shape = tool is not None and tool.figures is not None
-        parts.append("\n".join(lines) + "\n" + ("" if shape else TO_FILL_IN))
+        parts.append("\n".join(lines) + "\n" + lines_to_fill_in(table))
     parts.append(_workpiece(setup, tip))
     return "\n".join(parts)
 

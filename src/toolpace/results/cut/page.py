@@ -124,7 +124,7 @@ def cut_page(
         "findings": _findings(simulation.findings),
         "unseen": escape(
             f"Cells of {format_length(simulation.resolution)}: collisions less deep than "
-            f"{format_length(simulation.smallest_contact)} are not seen."
+            f"{format_length(simulation.smallest_contact)} may not be seen."
         ),
     }
     data = _data(over_time(simulation, trajectory, toolpath), simulation)

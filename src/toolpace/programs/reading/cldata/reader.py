@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 from toolpace.programs.reading.cldata.motion import PARTS, ClCurves, ClMotion
 from toolpace.programs.reading.cldata.state import SYSTEMS, ClFeed, ClFrame
+from toolpace.programs.reading.cldata.tools import shape_told
 from toolpace.programs.reading.cldata.track import Track
 from toolpace.programs.reading.cldata.words import (
     CANCELLABLE,
@@ -76,7 +78,15 @@ class ClOperations:
             self.motion.drilling.end()
             self._tool_named = False
         if not self._tool_named or (self.lengths.lists(tool) and not self.lengths.lists(current.tool)):
-            self.track.begin(Operation(current.name, tool))
+            # what is told of a tool before it is loaded is told of this one
+            self.track.begin(replace(current, tool=tool, figures=current.figures if begins else None))
+
+    def shape(self, statement: Statement) -> None:
+        """TLDATA, CUTTER: the shape of the tool of what follows."""
+        self.motion.findings.ignored(statement.major)
+        figures = shape_told(statement, self.motion.frame.unit, self.track.source.name, self.motion.findings)
+        if figures is not None:
+            self.track.begin(replace(self.track.operation, figures=figures))
 
     def feature(self, statement: Statement) -> None:
         """`$$-> FEATNO / 31` of Creo: a sequence of its own."""
@@ -89,7 +99,7 @@ class ClOperations:
             self._named(match[1].strip())
 
     def _named(self, name: str) -> None:
-        self.track.begin(Operation(name, self.track.operation.tool))
+        self.track.begin(replace(self.track.operation, name=name))
 
 
 class ClReader:
@@ -132,6 +142,8 @@ class ClReader:
             "INDIRV": self.curves.direction,
             "MOVNRB": self.curves.points_of_spline,
             "TLAXIS": self.motion.tool_axis,
+            "TLDATA": self.operations.shape,
+            "CUTTER": self.operations.shape,
             "RAPID": self._rapid,
             "FEDRAT": self._fedrat,
             "DELAY": self._delay,
@@ -204,6 +216,7 @@ class ClReader:
 
     def _stop(self, statement: Statement) -> None:
         self.feed.spindle(statement)
+        self.track.spindle = self.feed.signed_revolutions
         self.track.stop()
         if statement.major in TOOLS:
             self.operations.load(statement)

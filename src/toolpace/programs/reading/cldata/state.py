@@ -25,6 +25,7 @@ FOOT = 12 * INCH
 PER_MINUTE = {"MMPM": MILLIMETRE, "IPM": INCH, "MPM": 1.0, "FPM": FOOT, "PERMIN": None, "UPM": None}
 PER_REVOLUTION = {"MMPR": MILLIMETRE, "IPR": INCH, "FPR": FOOT, "PERREV": None, "UPR": None}
 """Length units of the forms of FEDRAT; None stands for the unit of the program."""
+SENSES = {"CLW": 1, "FWD": 1, "CCLW": -1, "REV": -1, "OFF": 0, "ON": 1}
 _TURNING = frozenset(
     ("RPM", "CLW", "CCLW", "FWD", "REV", "ON", "OFF", "RANGE", "LOW", "MEDIUM", "HIGH", "AUTO", "MAXRPM")
 )
@@ -141,6 +142,8 @@ class ClFeed:
         self.feed: Feed | None = None if default is None else Feed(default, "time")
         self.revolutions: float | None = None
         """Spindle speed [1/s]."""
+        self.sense = 1
+        """Of the spindle: 1 clockwise (CLW), -1 counterclockwise (CCLW), 0 where it stands (OFF)."""
 
     def set(self, statement: Statement, unit: float) -> None:
         """FEDRAT/250 FEDRAT/MMPM,250 FEDRAT/250,MMPM, with IPM, PERMIN, MMPR, IPR, PERREV, and INVERS as well.
@@ -187,7 +190,11 @@ class ClFeed:
         """SPINDL/2000,RPM,CLW and its like: the one number is the speed where the words are of turning."""
         if statement.major != "SPINDL":
             return
+        for word in statement.minors:
+            self.sense = SENSES.get(word, self.sense)
         figures = [word for word in statement.minors if NUMBER.fullmatch(word)]
+        if figures and "OFF" not in statement.minors:
+            self.sense = self.sense or 1
         others = [word for word in statement.minors if not NUMBER.fullmatch(word)]
         if len(figures) == 1 and _TURNING.issuperset(others):
             speed = figure(figures[0])
@@ -195,6 +202,13 @@ class ClFeed:
         elif figures:
             # A speed of the surface, SFM or SMM: the revolutions follow from a diameter that is not told.
             self.revolutions = None
+
+    @property
+    def signed_revolutions(self) -> float:
+        """Turns of the spindle per second [1/s], above zero clockwise; nan where nothing tells them."""
+        if self.sense == 0:
+            return 0.0
+        return math.nan if self.revolutions is None else self.sense * self.revolutions
 
     def caps(self, line: int, feed: Feed | None = None) -> Caps:
         """What bounds a motion that is no rapid: `feed`, else FEDRAT."""

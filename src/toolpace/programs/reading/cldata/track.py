@@ -34,6 +34,8 @@ class Track:
         self.axis: Point = (0.0, 0.0, 1.0)
         self._unit_of = (self.axis, self.axis)
         """An axis as it was written, and at length 1."""
+        self.spindle = math.nan
+        """Turns of the spindle per second [1/s], signed by its sense; nan where nothing tells them."""
         self._rows: list[tuple[float, ...]] = []
         self._stops: set[int] = set()
         self._dwells: dict[int, float] = {}
@@ -84,9 +86,8 @@ class Track:
             self._splines[row] = curve
         self.tip = tip
         rapid = caps is None or row == 0
-        self._rows.append(
-            (*tip, *self.axis, *(caps if caps is not None and row else _FREE), line, len(self._operations) - 1, rapid)
-        )
+        rate = caps if caps is not None and row else _FREE
+        self._rows.append((*tip, *self.axis, *rate, line, len(self._operations) - 1, rapid, self.spindle))
 
     def stop(self, seconds: float = 0.0) -> None:
         """The motion rests at the last point."""
@@ -97,7 +98,7 @@ class Track:
 
     def toolpath(self, blocks: int, lengths: ToolLengths) -> ToolPath:
         """All points; on curves so many that chords keep within half a micrometre."""
-        table = np.array(self._rows, dtype=float).reshape(len(self._rows), 11)
+        table = np.array(self._rows, dtype=float).reshape(len(self._rows), 12)
         line = table[:, 8].astype(np.int64)
         axis = unit_axes(self.source, table[:, 3:6], line)
         move, t, inside = self._pieces(line)
@@ -124,6 +125,7 @@ class Track:
             operation=operation,
             tool_length=lengths.along(operations, operation, line[move]) if operations else None,
             bow=np.where(curved, SAG, 0.0),
+            spindle=table[move, 11],
         )
         return assemble(self.source, points, ProgramFacts.of(lengths.findings, blocks, operations))
 

@@ -7,6 +7,7 @@ are in SI units; what letters, units and codes mean is the language's matter.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -153,9 +154,17 @@ class Control(ControlState):
         tools = self.setup.tools
         if tools and self.poses.machine is not None and not self.findings.used.tools:
             self.findings.assumed(ONLY_TOOL.format(next(iter(tools))) if len(tools) == 1 else NO_TOOL)
+        self._place_stock()
         return ProgramFacts.of(
             self.findings, self.effort.blocks, tuple(self.operations.all), controller=self.controller.name
         )
+
+    def _place_stock(self) -> None:
+        """Put the stock that the program tells before it chooses a work offset into the first that it chooses."""
+        workpiece, first = self.findings.workpiece, next(iter(self.findings.used.offsets), "")
+        if workpiece.stock is not None and not workpiece.stock.solid.frame and first in self.options.setup.offsets:
+            solid = replace(workpiece.stock.solid, frame=first)
+            self.findings.workpiece = replace(workpiece, stock=replace(workpiece.stock, solid=solid))
 
     def _table(self) -> MoveTable:
         if not len(self.moves):
@@ -267,5 +276,5 @@ def _with_chords(table: MoveTable) -> MoveTable:
     return MoveTable(
         position, columns, table.stop[of] & is_last, np.where(is_last, table.dwell[of], 0.0),
         {int(last[row]): arc for row, arc in table.arcs.items()}, {}, table.switched[of] & is_last,
-        table.joining[of], table.tolerance[of], table.normal[of], table.dynamics[of],
+        table.joining[of], table.tolerance[of], table.normal[of], table.dynamics[of], table.spindle[of],
     )  # fmt: skip

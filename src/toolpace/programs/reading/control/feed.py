@@ -13,6 +13,8 @@ from toolpace.programs.reading.control.moves import Rate
 from toolpace.programs.reading.feeds import feed_fault
 from toolpace.programs.reading.source import Source
 
+SENSES = {"M3": 1, "M4": -1, "M5": 0, "M13": 1, "M14": -1}
+"""M functions by which the spindle turns: clockwise seen from it, counterclockwise, not at all."""
 PER_MINUTE, INVERSE, PER_REVOLUTION = "per minute", "inverse time", "per revolution"
 """Modes of feed: lengths a minute, the time of each block, lengths a turn of the spindle."""
 TURNING = ("xyz", "vector")

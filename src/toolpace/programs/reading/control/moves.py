@@ -159,6 +159,8 @@ class Moves:
         """How far rows may stray, from which on."""
         self.dynamics: list[tuple[int, Dynamics]] = [(0, Dynamics())]
         """Acceleration and corners of rows, from which on."""
+        self.spindle: list[tuple[int, tuple[float]]] = [(0, (math.nan,))]
+        """Turns per second of the spindle [1/s], signed by its sense, from which row on; nan: not told."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -214,6 +216,10 @@ class Moves:
         """Note what the program says of acceleration and corners from now on: fields of Dynamics."""
         self.dynamics.append((len(self.rows), self.dynamics[-1][1]._replace(**dynamics)))
 
+    def turn(self, spindle: float) -> None:
+        """Note how fast the spindle turns from now on [1/s]: above zero clockwise, 0 where it stands."""
+        self.spindle.append((len(self.rows), (spindle,)))
+
     def dwell(self, seconds: float) -> None:
         """Come to rest at the last position and wait."""
         self.stop()
@@ -247,6 +253,7 @@ class Moves:
         joining = self._from_then_on(self.joinings)[expansion.row]
         tolerance = self._from_then_on(self.tolerance)[expansion.row]
         dynamics = self._from_then_on(self.dynamics)[expansion.row]
+        spindle = self._from_then_on(self.spindle)[expansion.row, 0]
         normal = np.full((len(array), 3), np.nan)
         for i, out in self.normals.items():
             normal[last[i]] = out
@@ -265,7 +272,7 @@ class Moves:
         at_rest, switched, dwell = at_rest[first:], switched[first:], dwell[first:]
         return MoveTable(
             array[:, :width], array[:, width:], at_rest, dwell, arcs, curves, switched, joining, tolerance,
-            normal[first:], dynamics[first:],
+            normal[first:], dynamics[first:], spindle[first:],
         )  # fmt: skip
 
     def _from_then_on(self, changes: Sequence[tuple[int, tuple[float, ...]]]) -> Floats:
@@ -313,6 +320,8 @@ class MoveTable(NamedTuple):
     """(n, 3) out of the part at the end of each row; nan where none was told."""
     dynamics: Floats
     """(n, 3) Dynamics of each row."""
+    spindle: Floats
+    """(n,) turns per second of the spindle [1/s], signed by its sense; nan where it is not told."""
 
 
 class Operations:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.arcs import ROUNDING
-from toolpace.programs.reading.control.feed import Feed, FeedRules
+from toolpace.programs.reading.control.feed import SENSES, Feed, FeedRules
 from toolpace.programs.reading.control.moves import JUMP, RAPID, Moves, Operations, Rate, Stage
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates import affine
@@ -115,6 +116,8 @@ class ControlState:
         self.stage: Stage | None = None
         """What follows the program's contour beside it, where it is not the way itself."""
         self.tool = ""
+        self.sense: int | None = None
+        """In which the spindle turns: 1 clockwise, -1 counterclockwise, 0 not at all; None: no word told it."""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
         self.placement = self.coordinates.placement(self.tool)
         self.moved_in = self.placement
@@ -189,6 +192,10 @@ class ControlState:
         self.coordinates.offset = name
         self._replaced()
 
+    def frame_of_stock(self) -> str:
+        """The work offset in force, where the set-up sheet places it; else "", the frame of the part."""
+        return self.coordinates.offset if self.coordinates.offset in self.options.setup.offsets else ""
+
     def add_offset(self, name: str) -> None:
         """A work offset that the program tells and the set-up sheet does not: it counts from the machine's zero."""
         setup = replace(self.setup, offsets={**self.setup.offsets, name: {}})
@@ -259,6 +266,14 @@ class ControlState:
         self.findings.used.tools.setdefault(tool)
         if doubt := self.setup.length_doubt(tool):
             self.findings.assumed(doubt)
+
+    def turn_spindle(self, speed: float | None = None, word: str = "") -> None:
+        """S [1/s], or an M function by which the spindle turns; others change nothing."""
+        if speed is not None:
+            self.feed.spindle = speed
+        self.sense = SENSES.get(word, self.sense)
+        told = self.feed.spindle > 0.0 or self.sense == 0
+        self.moves.turn((1.0 if self.sense is None else self.sense) * self.feed.spindle if told else math.nan)
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""

@@ -50,7 +50,7 @@ class Unroll:
         self.is_rapid = kind == RAPID
         self.tip_mode: Bools = tip_mode > 0
         self.stop, self.dwell, self.tolerance = table.stop, table.dwell, table.tolerance
-        self.normal = table.normal
+        self.normal, self.spindle = table.normal, table.spindle
         self.arcs = ArcTable(list(table.arcs.values()))
         self.arc = np.full(len(self.end), -1)
         self.arc[list(table.arcs)] = np.arange(len(table.arcs))
@@ -192,6 +192,7 @@ class Unroll:
             rotary_joints=self.poses.rotary_names,
             tool_length=programmed_lengths(self.tool_length[move], self.poses.machine),
             bow=self.bows(move),
+            spindle=self.spindle[move],
         )
         return assemble(self.source, points, facts)
 

@@ -14,6 +14,7 @@ import msgspec
 
 from toolpace.common.errors import UsageError, did_you_mean, in_short
 from toolpace.common.files.toml import toml_text
+from toolpace.programs.reading.controllers.tool_rules import ToolRule
 
 Kind = bool | float | str | tuple[str, ...]
 """A value of the kind: a switch, a number, a text; or the texts that it may be."""
@@ -157,6 +158,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Words that may move something and are not read, with the cure."""
     options: dict[str, bool | float | str] = {}
     """What else differs: names that the language knows."""
+    tools: tuple[ToolRule, ...] = ()
+    """How names of tools and comments tell the shapes of tools."""
     time: dict[str, bool | int | float | str | dict[str, float | list[float] | dict[str, float | list[float]]]] = {}
     """How fast it goes through a program: the model that `toolpace time` takes, its figures and their uncertainty."""
     source: str = ""
@@ -194,12 +197,13 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         try:
             found = msgspec.toml.decode(text, type=cls)
             with warnings.catch_warnings(action="error", category=FutureWarning):
-                for sign in found.signs:
-                    re.compile(sign.pattern)
+                for pattern in [*(sign.pattern for sign in found.signs), *(rule.pattern for rule in found.tools)]:
+                    re.compile(pattern)
         except (FutureWarning, msgspec.DecodeError, re.error, ValueError, OverflowError, RecursionError) as error:
             cure = "see `toolpace controllers fanuc --toml` for an example"
             unknown = re.search(r"unknown field `(\w{1,40})`", str(error))
-            near = f", {did_you_mean(unknown[1], (*cls.__struct_fields__, *Sign.__struct_fields__))}" if unknown else ""
+            fields = [name for struct in (cls, Sign, ToolRule) for name in struct.__struct_fields__]
+            near = f", {did_you_mean(unknown[1], fields)}" if unknown else ""
             raise UsageError(f"{source}: {in_short(error)}{near}; {cure}") from None
         if found.like:
             found = _upon(found, source)
@@ -207,6 +211,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             raise UsageError(
                 f"{source}: language '{found.language[:40]}' is not known: use one of {', '.join(LANGUAGES)}"
             )
+        for wrong in filter(None, (rule.fault() for rule in found.tools)):
+            raise UsageError(f"{source}: {wrong}")
         for name, value in found.options.items():
             if wrong := fault(found.language, name, value):
                 raise UsageError(f"{source}: {wrong}")
@@ -243,6 +249,7 @@ def _upon(own: Controller, source: str) -> Controller:
         own,
         language=base.language,
         signs=(*base.signs, *own.signs),
+        tools=(*own.tools, *base.tools),
         meanings={word: meaning for word, meaning in base.meanings.items() if word not in said} | own.meanings,
         ignored=(*(word for word in base.ignored if word not in said), *own.ignored),
         refused={word: cure for word, cure in base.refused.items() if word not in said} | own.refused,

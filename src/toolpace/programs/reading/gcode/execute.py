@@ -141,7 +141,7 @@ class Executor:
         if "S" in numbers:
             if numbers["S"] < 0.0:
                 raise BlockError(f"S{numbers['S']:g} is below zero: M3 and M4 tell the way the spindle turns")
-            control.feed.spindle = numbers["S"] / 60.0
+            control.turn_spindle(numbers["S"] / 60.0)
             control.moves.switch()
         if "T" in numbers:
             if self.rs274 and not (numbers["T"] >= 0.0 and numbers["T"] == int(numbers["T"])):

@@ -218,6 +218,7 @@ class Functions:
     def turn(self, numbers: Numbers, word: str) -> None:
         """M3, M4, M5."""
         self.state.turning = "" if word == "M5" else word
+        self.control.turn_spindle(word=word)
         self.control.stop()
 
     def orient(self, numbers: Numbers, word: str) -> None:
@@ -283,7 +284,8 @@ class SavedModes:
         def restore() -> None:
             for name, value in modes.items():
                 setattr(self.state, name, value)
-            feed.mode, feed.value, feed.turn, feed.unit, feed.spindle = rates
+            feed.mode, feed.value, feed.turn, feed.unit = rates[:4]
+            control.turn_spindle(rates[4])
             number = 0.0 if feed.value is None else feed.turn / DEGREE * (MINUTE if feed.mode == PER_MINUTE else 1.0)
             if feed.unit != self.state.unit or abs(number - round(number, 1)) > 1e-9:
                 # its interpreter writes F anew, as a number of one decimal in the unit of the saved modes

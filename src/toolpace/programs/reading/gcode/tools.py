@@ -53,6 +53,7 @@ class Tools:
     def stop(self, numbers: Numbers, word: str) -> None:
         """Spindle, coolant, clamps: the motion comes to rest."""
         self.control.stop()
+        self.control.turn_spindle(word=word)
 
     def unknown_function(self, numbers: Numbers, word: str) -> None:
         """An M word of the machine's builder."""

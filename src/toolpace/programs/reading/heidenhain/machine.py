@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from toolpace.programs.reading.arcs import ROUNDING
 from toolpace.programs.reading.control.control import Control
-from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION, SENSES
 from toolpace.programs.reading.control.machine_moves import direction_on_part, retract, straight_in_machine
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.programs.reading.coordinates.kinematics import TURN
@@ -109,7 +109,7 @@ class MachineFunctions:
         if word in OF_CORNERS:
             return lambda: self.corner(word)
         if word in self.controller.ignored:
-            return lambda: findings.ignored(word)
+            return lambda: self.passed(word)
         if word in self.controller.refused:
             return self.refused(word, self.controller.refused[word])
         code = int(word[1:])
@@ -122,6 +122,12 @@ class MachineFunctions:
 
             return run
         return self.refused(word, UNKNOWN)
+
+    def passed(self, word: str) -> None:
+        """A function that moves nothing; what it does to the spindle counts for the cut."""
+        self.control.findings.ignored(word)
+        if word in SENSES:
+            self.control.turn_spindle(word=word)
 
     def corner(self, word: str) -> None:
         """M97 and M98, which change corners of a compensated contour, and nothing else."""

@@ -70,6 +70,7 @@ class Statements:
         tilting = Tilting(control, frames, machine, parameters)
         cycles = Cycles(control, frames, tilting, holes, patterns, parameters, controller)
         jumps = Jumps(flow, parameters, control)
+        tools = Tools(control, state, frames, parameters)
         functions = ModeFunctions(control, machine, frames, cycles, parameters)
         self.flow = flow
         self.by_word: dict[str, Callable[[str], Step]] = {
@@ -94,7 +95,8 @@ class Statements:
             "CALL": jumps.call,
             "FN": jumps.function,
             "SEL": jumps.select,
-            "TOOL": self.tool(Tools(control, state, frames, parameters)),
+            "TOOL": self.tool(tools),
+            "BLK": tools.blank,
             "CYCL": self.cycle(cycles),
             "GLOBAL": cycles.define_general,
             "PATTERN": lambda text: patterns.compile(text),

@@ -23,15 +23,16 @@ POINT = 118.0 * DEGREE
 WIDEST_RADIUS = 0.75
 """Of a tool's `radius` over its diameter: more is a diameter in place of a radius."""
 PIECE = "[[40, 12, 12], [20, 12, 30]]"
-TO_FILL_IN = """\
-# Its shape, for what it cuts: take the # away, and put in the tool's own figures (those in brackets may stay out).
-# kind = "flat"  # or "bull", "ball", "taper", "barrel", "drill", "chamfer", "face"
-# diameter = 0.0
-# flute_length = 0.0  # from the tip to where the edges end
-# stick_out = 0.0  # from the tip to the holder
-# teeth = 0
-# (corner_radius = 0.0, shank_diameter = 0.0, helix = 30.0, holder = [[length, lower diameter, upper diameter], ...])
-"""
+SHAPE_SAID = "# Its shape, for what it cuts: take the # away, and put in the tool's own figures.\n"
+TO_FILL_IN = {
+    "kind": 'kind = "flat"  # or "bull", "ball", "taper", "barrel", "drill", "chamfer", "face"',
+    "diameter": "diameter = 0.0",
+    "flute_length": "flute_length = 0.0  # from the tip to where the edges end",
+    "stick_out": "stick_out = 0.0  # from the tip to the holder",
+    "teeth": "teeth = 0",
+    "holder": "holder = [[0.0, 0.0, 0.0]]  # length, lower and upper diameter of each piece, upwards",
+}
+"""Lines for figures that nothing tells."""
 
 
 class ToolTables(Quantities):
@@ -58,7 +59,7 @@ class ToolTables(Quantities):
             if radius is not None and radius > WIDEST_RADIUS * figures.diameter:
                 self.fail(place, f"radius = {table['radius']!r} with diameter = {table.get('diameter')!r}: correct one")
             radius = 0.5 * figures.diameter if radius is None else radius
-        if corner is None and figures.kind in ("flat", "bull", "ball"):
+        if figures.kind in ("flat", "bull", "ball"):
             corner = figures.corner_radius
         return Tool(found.get("length"), radius, corner, figures)
 
@@ -156,6 +157,12 @@ def tool_table(tool: Tool) -> dict[str, object]:
     if not figures.clockwise:
         table["spindle"] = SPINDLES[1]
     return table
+
+
+def lines_to_fill_in(table: Mapping[str, object]) -> str:
+    """Comments for what a tool's table does not tell of its shape."""
+    missing = [f"# {line}\n" for key, line in TO_FILL_IN.items() if key not in table]
+    return SHAPE_SAID + "".join(missing) if missing else ""
 
 
 def tool_table_to_fill_in(tool: Tool | None, own_length: float) -> dict[str, object]:

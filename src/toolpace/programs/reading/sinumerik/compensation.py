@@ -86,7 +86,7 @@ class Tooling:
             self.state.allowance = allowance * self.state.unit
         spindle = number(words, "S")
         if spindle is not None:
-            self.control.feed.spindle = spindle / MINUTE
+            self.control.turn_spindle(spindle / MINUTE)
 
     def change(self, *, edge_programmed: bool = False) -> None:
         """Put the selected tool into the spindle; its first edge counts then, unless D stands in the block."""

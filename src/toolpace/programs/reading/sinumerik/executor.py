@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.corners import CornerError
-from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION
+from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION, SENSES
 from toolpace.programs.reading.expressions import BlockError
+from toolpace.programs.reading.sinumerik.blank import take_blank
 from toolpace.programs.reading.sinumerik.circles import set_pole
 from toolpace.programs.reading.sinumerik.commands import STILL, Commands
 from toolpace.programs.reading.sinumerik.compensation import SUPPRESSION
@@ -214,6 +215,8 @@ class Executor:
         """A word that the controller's file explains, a command, or a subprogram."""
         vocabulary = self.vocabulary
         meaning = vocabulary.meaning(code)
+        if code in SENSES:
+            self.control.turn_spindle(word=code)
         if meaning in self.meanings:
             self.meanings[meaning](now)
         elif meaning == "ignored":
@@ -239,6 +242,8 @@ class Executor:
             self.meanings[meaning](Now(words))
         elif meaning == "ignored":
             self.findings.ignored(call.name)
+            if call.name == "WORKPIECE":
+                take_blank(arguments, self.control, self.state.unit)
         elif not self.perform(call, arguments):
             self._subprogram(call, arguments)
 
