@@ -88,7 +88,9 @@ def compared(seed: int, count: int) -> tuple[float, float, float]:
     return exact, engagement.removed.sum() / exact, (before - stock.volume_by_rays()) / exact
 
 
-@pytest.mark.parametrize("seed", (0, 1, 10))
+@pytest.mark.parametrize(
+    "seed", [0, pytest.param(1, marks=pytest.mark.sweep), pytest.param(10, marks=pytest.mark.sweep)]
+)
 def test_the_volume_of_a_sweep_is_that_of_exact_booleans(seed):
     exact, removed, by_rays = compared(seed, 41)
     assert exact > 1e-9
