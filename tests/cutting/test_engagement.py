@@ -162,3 +162,52 @@ def test_stations_far_apart_are_cut_like_close_ones():
     found = apart.cut(profile, stations(tip[[0, -1]]))
     assert apart.volume() == pytest.approx(close.volume(), rel=1e-4)
     assert found.removed[1] == pytest.approx(found.removed.sum())
+
+
+def random_scene(seed: int) -> Scene:
+    """A tool that turns while it goes a curved way through a block that it has cut before."""
+    random = np.random.default_rng(seed)
+    kind = str(random.choice(["ball", "bull", "flat"]))
+    figures = tool(kind, corner_radius=0.0015 if kind == "bull" else 0.0)
+    s = np.linspace(0.0, 1.0, 90)[:, None]
+    a, b, c = (random.uniform([-0.006, -0.004, -0.002], [0.002, 0.004, -0.001]) for _ in range(3))
+    first = (1.0 - s) ** 2 * a + 2.0 * s * (1.0 - s) * b + s**2 * c
+    tip = np.concatenate([first, c + s[1:] * random.uniform([-0.005, -0.005, -0.0005], [0.005, 0.005, 0.0005])])
+    turn = np.linspace(0.0, 1.0, len(tip))[:, None]
+    lean = random.uniform(-0.3, 0.3, 2) + turn * random.uniform(-0.3, 0.3, 2)
+    axis = np.concatenate([lean, np.ones((len(tip), 1))], axis=1)
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    last = int(random.integers(100, len(tip)))
+    tip, axis, profile = tip[: last + 1], axis[: last + 1], ToolProfile.of(figures)
+    fine = np.linspace(0.0, last, 3 * last + 1)[:-1]
+    k, share = fine.astype(int), (fine % 1.0)[:, None]
+    between = axis[k] + share * (axis[k + 1] - axis[k])
+    between /= np.linalg.norm(between, axis=1)[:, None]
+    ways = tip[k] + share * (tip[k + 1] - tip[k])
+
+    def engaged(points):
+        inside = ((points > LOW) & (points < HIGH)).all(axis=1)
+        inside[inside] = never_cut(profile, ways, between, points[inside])
+        return inside
+
+    return Scene(figures, tip, axis, last, engaged, LOW, HIGH)
+
+
+def missed(seed: int) -> tuple[float, float]:
+    """The angle over which arcs are wrong, as a share of the immersion, and the immersion [rad]."""
+    scene = random_scene(seed)
+    engagement, profile, _ = scene.cut(DEFAULT, None)
+    errors = scene.errors(engagement, profile, least=0.3)
+    return (float(errors[:, 1].sum()), float(errors[:, 0].sum())) if len(errors) else (0.0, 0.0)
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_random_motions_in_what_they_have_cut_themselves(seed):
+    wrong, whole = missed(seed)
+    assert whole > 1.0 and wrong < 0.03 * whole
+
+
+@pytest.mark.thorough
+def test_200_random_motions():
+    found = np.array([missed(seed) for seed in range(200)])
+    assert found[:, 0].sum() < 0.01 * found[:, 1].sum()
