@@ -14,7 +14,10 @@ from toolpace.common.errors import UsageError, VerificationError
 from toolpace.judge import verify, verify_plan
 from toolpace.judge.tool import sheet_check, tool_table
 from toolpace.machine.limits import Limits
+from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.reading import read_text
+from toolpace.programs.reading.setup_file import setup_of_text, setup_text
 
 UP = np.array([0.0, 0.0, 1.0])
 POINTS = motions.set_points()
@@ -324,3 +327,19 @@ def test_a_program_of_one_move_is_held_against_its_sheet():
         sheet = tool_table(f"[tools.1]\nlength = {length * 1e3!r}\n")
         (check,) = sheet_check(MACHINE, path, sheet)
         assert check.ok == good and check.block == path.block[1]
+
+
+def test_a_tool_without_a_length_on_the_sheet_is_as_long_as_the_machines_own():
+    machine = Machine.load("xyzac-trunnion")
+    own = machine.tool_length
+    program = "T1 M6\nG43.4 H1\nG0 X0 Y0 Z0 A0 C0\nG1 X10 A10 F600\nT2 M6\nG43.4 H2\nX20\nM30\n"
+    sheet = '[tools.1]\nlength = "50mm"\n[tools.2]\ndiameter = 6\n'
+    setup = setup_of_text(sheet)
+    path = read_text(program, machine, controller="fanuc", setup=setup)
+    table = tool_table(sheet)
+    assert table["1"] == 0.05 and np.isnan(table["2"]) and tool_table(setup_text(setup))["1"] == 0.05
+    (check,) = sheet_check(machine, path, table)
+    assert check.ok
+    (check,) = sheet_check(machine, path, table | {"2": own + 0.01})
+    assert not check.ok and check.value == pytest.approx(0.01)
+    assert sheet_check(machine, path, tool_table("[tools.1]\ndiameter = 6\n")) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
+from toolpace.common.units import parse_length
 from toolpace.judge.seen_motion import SeenMotion, each_block, ways
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
@@ -82,14 +84,15 @@ def pole_rounding(q: Floats, machine: Machine) -> Floats:
 
 
 def tool_table(sheet: str) -> dict[str, float]:
-    """Number or name of each tool on a set-up sheet (its text), and its length [m]."""
+    """Number or name of each tool on a set-up sheet (its text), and its length [m]; nan: as the machine's own."""
     try:
         tables = tomllib.loads(sheet)
     except tomllib.TOMLDecodeError:
         cure = "is not the text of a set-up sheet; give what the file holds"
         raise UsageError(f"verify: sheet {sheet[:40]!r} {cure}") from None
     unit = METRES[tables.get("units", {}).get("length", "mm")]
-    return {_plain(name): float(tool["length"]) * unit for name, tool in tables.get("tools", {}).items()}
+    written = {_plain(name): tool.get("length", math.nan) for name, tool in tables.get("tools", {}).items()}
+    return {name: parse_length(each) if isinstance(each, str) else each * unit for name, each in written.items()}
 
 
 def _plain(name: str) -> str:
@@ -130,7 +133,7 @@ def length_checks(seen: SeenMotion, machine: Machine, toolpath: ToolPath, table:
 
 def sheet_check(machine: Machine, toolpath: ToolPath, table: Mapping[str, float]) -> list[Check]:
     """Whether each way of the program is that of a tool as long as the sheet says, or as the program's own words do."""
-    if not table:
+    if all(map(math.isnan, table.values())):
         return []
     own, wanted, worst, at = machine.tool_length, tool_lengths(machine, toolpath), 0.0, 1
     for k, operation in enumerate(toolpath.operations):
@@ -139,7 +142,8 @@ def sheet_check(machine: Machine, toolpath: ToolPath, table: Mapping[str, float]
             continue
         name = _plain(operation.tool)
         alone = next(iter(table.values())) if len(table) == 1 and not name else own
-        right = np.array([table.get(name, alone), *operation.told_lengths])
+        listed = table.get(name, alone)
+        right = np.array([own if math.isnan(listed) else listed, *operation.told_lengths])
         off = np.abs(wanted[rows, None] - right).min(axis=1)
         if off.max() > worst:
             worst, at = float(off.max()), int(rows[np.argmax(off)])

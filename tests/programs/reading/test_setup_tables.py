@@ -14,7 +14,13 @@ from toolpace.machine.machine import Machine
 from toolpace.programs.reading import read_text
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
 from toolpace.programs.reading.findings import Used
-from toolpace.programs.reading.setup_file import load_setup, setup_of_text, setup_sheet, setup_text, with_told
+from toolpace.programs.reading.setup_file import (
+    load_setup,
+    setup_of_text,
+    setup_sheet,
+    setup_text,
+    with_program_figures,
+)
 from toolpace.programs.stock_figures import Solid, StockFigures, WorkpieceFigures
 from toolpace.programs.tool_figures import KINDS, Frustum, ToolFigures
 
@@ -252,10 +258,10 @@ def test_what_a_program_tells_is_filled_in_where_the_sheet_does_not_tell_it():
     told = {"1": ToolFigures("flat", 0.01), "02": ToolFigures("ball", 0.006)}
     stock = WorkpieceFigures(StockFigures(Solid(box=((0.0, 0.0, -0.02), (0.1, 0.1, 0.0)))))
     sheet = setup_of_text("[tools.1]\ndiameter = 8\n[tools.2]\nlength = 90\n")
-    found = with_told(sheet, told, stock)
+    found = with_program_figures(sheet, told, stock)
     assert found.figures_of("1").diameter == 0.008 and found.workpiece == stock
     assert found.tools["2"] == Tool(0.09, figures=told["02"])
-    assert with_told(replace(sheet, workpiece=stock), {}, WorkpieceFigures()).workpiece == stock
+    assert with_program_figures(replace(sheet, workpiece=stock), {}, WorkpieceFigures()).workpiece == stock
 
 
 def test_bodies_in_work_offsets_are_left_out_where_the_part_is_clamped_elsewhere():

@@ -78,7 +78,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     """A sheet with all that the programs use, on the machine that they were read for."""
     from toolpace.common.files import write_text
     from toolpace.programs.reading.findings import Used
-    from toolpace.programs.reading.setup_file import setup_sheet, with_told
+    from toolpace.programs.reading.setup_file import setup_sheet, with_program_figures
 
     used = Used()
     for each in found:
@@ -90,7 +90,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     machine = next((each for name in names for each in machines if each.name == name), None)
     present = reading.options(machine).setup
     for each in found:
-        present = with_told(present, each.shapes, each.workpiece)
+        present = with_program_figures(present, each.shapes, each.workpiece)
     tips = [each.tip for each in found if each.tip is not None]
     tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
     write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present, tip))

@@ -63,7 +63,7 @@ class Findings:
         self.skipped: Counter[str] = Counter()
         """Words without meaning for motion, and how often."""
         self.used = Used()
-        self.told_tools: dict[str, ToolFigures] = {}
+        self.tool_shapes: dict[str, ToolFigures] = {}
         """Shapes of tools by number or name, as the program tells them."""
         self.workpiece = WorkpieceFigures()
         """As the program tells it."""

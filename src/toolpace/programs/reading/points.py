@@ -81,9 +81,9 @@ class ProgramFacts:
         findings: Findings, blocks: int, operations: tuple[Operation, ...] = (), controller: str = ""
     ) -> ProgramFacts:
         """With what was found while it was read."""
-        told = findings.told_tools
+        shapes = findings.tool_shapes
         shaped = [
-            each if each.figures is not None or each.tool not in told else replace(each, figures=told[each.tool])
+            each if each.figures is not None or each.tool not in shapes else replace(each, figures=shapes[each.tool])
             for each in operations or (Operation(),)
         ]
         return ProgramFacts(

@@ -228,7 +228,7 @@ def with_cure_of_zero(assumed: Sequence[str]) -> Iterator[None]:
         raise ReachError(f"{reason}; {ZERO_CURE} (else {cure})") from error
 
 
-def with_told(setup: SetUp, shapes: Mapping[str, ToolFigures], workpiece: WorkpieceFigures) -> SetUp:
+def with_program_figures(setup: SetUp, shapes: Mapping[str, ToolFigures], workpiece: WorkpieceFigures) -> SetUp:
     """The set-up with the shapes of tools, and the stock, that a program tells and the sheet does not."""
     tools = dict(setup.tools)
     for name, figures in shapes.items():

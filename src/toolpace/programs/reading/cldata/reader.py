@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from toolpace.programs.reading.cldata.motion import PARTS, ClCurves, ClMotion
 from toolpace.programs.reading.cldata.state import SYSTEMS, ClFeed, ClFrame
-from toolpace.programs.reading.cldata.tools import shape_told
+from toolpace.programs.reading.cldata.tools import tool_shape
 from toolpace.programs.reading.cldata.track import Track
 from toolpace.programs.reading.cldata.words import (
     CANCELLABLE,
@@ -84,7 +84,7 @@ class ClOperations:
     def shape(self, statement: Statement) -> None:
         """TLDATA, CUTTER: the shape of the tool of what follows."""
         self.motion.findings.ignored(statement.major)
-        figures = shape_told(statement, self.motion.frame.unit, self.track.source.name, self.motion.findings)
+        figures = tool_shape(statement, self.motion.frame.unit, self.track.source.name, self.motion.findings)
         if figures is not None:
             self.track.begin(replace(self.track.operation, figures=figures))
 

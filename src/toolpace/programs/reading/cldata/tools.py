@@ -16,7 +16,7 @@ SAME = 1e-3
 """By how much figures of a corner may differ, in parts of the diameter: they are printed with four decimals."""
 
 
-def shape_told(statement: Statement, unit: float, source: str, findings: Findings) -> ToolFigures | None:
+def tool_shape(statement: Statement, unit: float, source: str, findings: Findings) -> ToolFigures | None:
     """What TLDATA or CUTTER tells of the tool; None, with an assumption noted, where it is of another form.
 
     unit: of its lengths [m].

@@ -272,8 +272,8 @@ class ControlState:
         if speed is not None:
             self.feed.spindle = speed
         self.sense = SENSES.get(word, self.sense)
-        told = self.feed.spindle > 0.0 or self.sense == 0
-        self.moves.turn((1.0 if self.sense is None else self.sense) * self.feed.spindle if told else math.nan)
+        has_speed = self.feed.spindle > 0.0 or self.sense == 0
+        self.moves.turn((1.0 if self.sense is None else self.sense) * self.feed.spindle if has_speed else math.nan)
 
     def set_position(self, words: dict[str, float]) -> None:
         """Give the place where the machine is these words: the frame is shifted (G92)."""

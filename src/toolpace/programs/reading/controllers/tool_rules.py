@@ -94,17 +94,17 @@ def with_rules(
     lines: of the program. What a line says of a tool goes before its name.
     """
     of_lines = [rule for rule in rules if rule.of_lines]
-    told: dict[str, ToolFigures] = {}
+    by_line: dict[str, ToolFigures] = {}
     for number, line in enumerate(lines if of_lines else (), start=1):
         fits = (rule.figures(line, f"{source}:{number}: comment") for rule in of_lines)
         if (found := next(filter(None, fits), None)) is not None:
-            told.setdefault(tool_name(found[0]), found[1])
+            by_line.setdefault(tool_name(found[0]), found[1])
     of_names = [rule for rule in rules if not rule.of_lines]
 
     def shape(operation: Operation) -> ToolFigures | None:
         if operation.figures is not None or not operation.tool:
             return operation.figures
-        if (figures := told.get(tool_name(operation.tool))) is not None:
+        if (figures := by_line.get(tool_name(operation.tool))) is not None:
             return figures
         fits = (rule.figures(operation.tool, f"{source}: name of tool {operation.tool}") for rule in of_names)
         found = next(filter(None, fits), None)

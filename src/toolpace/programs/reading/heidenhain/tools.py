@@ -98,7 +98,7 @@ class Tools:
             line = f"{self.control.source.name}:{self.control.line}: TOOL DEF"
             assumed = ("TOOL DEF tells the radius alone: the tool is taken as a flat end mill",)
             tool = ToolFigures("flat", 2.0 * radius, source=line, assumed=assumed)
-            findings.told_tools[f"{float(number[1]):g}"] = tool
+            findings.tool_shapes[f"{float(number[1]):g}"] = tool
 
     def blank(self, text: str) -> Step:
         """BLK: the stock, by two corners or as a cylinder; other forms are passed over, and said."""
