@@ -48,7 +48,9 @@ def random_program(rng: np.random.Generator) -> Stations:
     tip, axis = np.concatenate(tips), np.concatenate(axes)
     n = len(tip)
     axis /= np.linalg.norm(axis, axis=1)[:, None]
-    return Stations(tip, axis, np.arange(n) * 0.01, np.arange(n), np.zeros(n, dtype=int), np.zeros(n, dtype=bool))
+    return Stations(
+        tip, axis, np.arange(n) * 0.01, np.arange(n), np.zeros(n, dtype=int), np.zeros(n, dtype=bool), np.arange(n)
+    )
 
 
 def true_stock(rng: np.random.Generator, off: float) -> PointStock:
@@ -88,7 +90,7 @@ def halved(stations: Stations) -> Stations:
     )
     axis /= np.linalg.norm(axis, axis=1)[:, None]
     whole = np.ceil(at).astype(int)
-    return Stations(tip, axis, at * 0.01, whole, np.zeros(len(at), dtype=int), np.zeros(len(at), dtype=bool))
+    return Stations(tip, axis, at * 0.01, whole, np.zeros(len(at), dtype=int), np.zeros(len(at), dtype=bool), whole)
 
 
 def check(seed: int) -> None:

@@ -1,4 +1,4 @@
-"""Cuts with a known answer: a stock of closed form, a tool along it, and where its surface is in material.
+"""Cuts with a known answer: a box, a tool along it, and which points of its surface are in material.
 
 A scene is turned as a whole, so that no face of it is parallel to a ray.
 """

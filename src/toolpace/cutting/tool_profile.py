@@ -15,6 +15,8 @@ from toolpace.programs.tool_figures import Frustum, ToolFigures
 
 UNKNOWN_LENGTH = 10.0
 """Diameters that the cutting part is taken to be long where neither flutes nor stick-out are known."""
+SHORTEST = 1e-9
+"""What is shorter is rounding [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,15 +39,15 @@ class ToolProfile(ByValue):
 
     @staticmethod
     def of(figures: ToolFigures) -> ToolProfile:
-        """The profile of a tool of any kind. Raises UsageError where its figures make no tool."""
-        if not (math.isfinite(figures.diameter) and figures.diameter > 0.0):
-            raise UsageError(f"tool diameter is {1e3 * figures.diameter:g} mm; give one above 0")
+        """The profile of a tool of any kind. Raises UsageError for arcs that do not meet."""
         reach = figures.flute_length or figures.stick_out or UNKNOWN_LENGTH * figures.diameter
         cutting = _cutting_part(figures, reach)
         shank: list[Floats] = []
         top = float(cutting[-1, 1])
         if figures.shank:
-            shank = _stacked(figures.shank, top)
+            above = sum(each.length for each in figures.shank) + top
+            last = figures.shank[-1].upper_diameter
+            shank = _stacked([*figures.shank, Frustum((figures.stick_out or above) - above, last, last)], top)
         elif figures.stick_out is not None and figures.stick_out > top:
             width = figures.shank_diameter or 2.0 * float(cutting[:, 5].max())
             shank = _stacked([Frustum(figures.stick_out - top, width, width)], top)
@@ -98,7 +100,7 @@ def arc(z0: float, z1: float, centre: tuple[float, float], radius: float) -> lis
 def _stacked(frustums: Sequence[Frustum], bottom: float) -> list[Floats]:
     found = []
     for each in frustums:
-        if each.length > 0.0:
+        if each.length > SHORTEST:
             piece = line(bottom, bottom + each.length, 0.5 * each.lower_diameter, 0.5 * each.upper_diameter)
             found.append(np.array([piece]))
             bottom += each.length
@@ -114,7 +116,9 @@ def _cutting_part(figures: ToolFigures, reach: float) -> Floats:
         pieces = _barrel(radius, corner, figures.barrel_radius)
     elif kind in ("drill", "chamfer") and figures.point_angle > 0.0 and taper == 0.0:
         point = radius / math.tan(0.5 * figures.point_angle)
-        pieces = [line(0.0, point, 0.0, radius), line(point, max(reach, 2.0 * point), radius, radius)]
+        pieces = [line(0.0, point, 0.0, radius)] if point > SHORTEST else []
+        begin = point if pieces else 0.0
+        pieces.append(line(begin, max(reach, begin + SHORTEST), radius, radius))
     else:
         pieces = _rounded_cone(radius, corner, taper if kind in ("taper", "chamfer", "ball", "bull") else 0.0, reach)
     return _clipped(pieces, reach)
@@ -127,7 +131,7 @@ def _rounded_cone(radius: float, corner: float, taper: float, reach: float) -> l
     if corner > 0.0:
         begin, low = corner * (1.0 - math.sin(taper)), radius - corner * (1.0 - math.cos(taper))
         pieces.append(arc(0.0, begin, (radius - corner, corner), corner))
-    end = max(reach, begin + 1e-6)
+    end = max(reach, begin + SHORTEST)
     pieces.append(line(begin, end, low, low + (end - begin) * math.tan(taper)))
     return pieces
 
@@ -152,7 +156,7 @@ def _barrel(radius: float, corner: float, side: float) -> list[list[float]]:
 def _clipped(pieces: list[list[float]], reach: float) -> Floats:
     found = []
     for z0, z1, a, b, bow, widest in pieces:
-        if z0 < reach:
+        if z0 < reach - SHORTEST:
             end = min(z1, reach)
             if bow > 0.0:
                 found.append(arc(z0, end, (a, b), bow))

@@ -87,14 +87,15 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         raise UsageError("stations: axis holds no unit vectors, one for each tip; give directions of length 1")
     height = slice_height or max(cell, profile.length / SLICES)
     feed, across, along = feed_frames(tip, axis)
-    tips, axes, *rest = _poses(profile, tip, axis, cell)
-    heights = _heights(stock, profile, tips, axes)
-    poses = Poses(tips @ stock.frame.T, axes @ stock.frame.T, rest[0], rest[1], *heights, rest[2])
+    tips, axes, travel, station, look = _poses(profile, tip, axis, cell)
+    low, high = _heights(stock, profile, tips, axes)
+    poses = Poses(tips @ stock.frame.T, axes @ stock.frame.T, travel, station, low, high, look)
     count = max(math.ceil(profile.length / height - 1e-9), 1)
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
     slices = Slices(np.asarray(middles), *surface, profile.flat_radius, height)
-    found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 2)), *(np.zeros(n) for _ in range(3)))
+    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n)]
+    found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), *zeros)
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
     for until in [*range(PORTION, len(poses.travel), PORTION), len(poses.travel)] if n else []:
@@ -109,7 +110,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
             done = cut_along(
                 stock.field, profile.cutting, above, slices, poses, found, arcs, progress, cell, least, until
             )
-    stock.content = before - float(found.removed.sum())
+    stock.content = max(before - float(found.removed.sum()), 0.0)
     used = int(progress[ARCS])
     return Engagement(
         slice_height=height,
@@ -149,6 +150,8 @@ def feed_frames(tip: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tuple[Floats, Floats, Floats, Ints, Ints]:
     """Poses close enough to be cut one after the other: tip, axis, way, station of each, and whether it is one."""
+    if not len(tip):
+        return tip, axis, np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int64)
     step, turn = np.diff(tip, axis=0), np.diff(axis, axis=0)
     most = np.maximum(
         np.linalg.norm(step, axis=1), np.linalg.norm(step + profile.length * turn, axis=1)

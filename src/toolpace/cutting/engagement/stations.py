@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 
 import numpy as np
@@ -43,8 +43,12 @@ class Stations:
     """(n,) index of the operation."""
     rapid: Bools
     """(n,)"""
-    point: Ints
-    """(n,) point of the tool path that the way leads to."""
+    point: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """(n,) point of the tool path that the way leads to; 0 where they are of none."""
+
+    def __post_init__(self) -> None:
+        if not len(self.point):
+            object.__setattr__(self, "point", np.zeros(len(self.tip), dtype=np.int64))
 
     def __len__(self) -> int:
         return len(self.tip)

@@ -222,12 +222,13 @@ class EngagedForces:
         """Area of the chips [m2] and engaged edge [m] at one time, (n, 2) each: where the area is largest over a turn,
         and where the edge is."""
         from toolpace.kernels.cutting import forces as kernel
+        from toolpace.kernels.cutting.loads import turns
 
         motion, teeth = self._motion(speed, None), self._teeth()
         area, edge = np.empty((len(motion), 2)), np.empty((len(motion), 2))
         for at in self._blocks(len(motion)):
             turn = np.empty((at.stop - at.start, self.cells, self._channels))
-            kernel.turns(turn, self._edge, teeth, self._arcs(at), motion[at], np.arange(len(turn)))
+            turns(turn, self._edge, teeth, self._arcs(at), motion[at], np.arange(len(turn)))
             both = turn[:, :, [kernel.AREA, kernel.LENGTH]]
             row = np.arange(len(turn))
             for k in range(2):

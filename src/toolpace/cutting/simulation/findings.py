@@ -71,11 +71,16 @@ class Contact:
 def findings_of(
     stations: Stations, contacts: Iterable[Contact], operation: str, tool: str
 ) -> list[Finding]:
-    """The findings of a stretch of stations: of each contact one for each block."""
+    """The findings of a stretch of stations: of each contact one for each block.
+
+    The first station is where the stretch before ends, and counts there; but for the first of all.
+    """
     seconds = stations.moving_time
+    counts = np.arange(len(stations)) > 0
+    counts[0] = len(stations) == 1 or stations.time[0] <= 0.0
     found = []
     for contact in contacts:
-        there = contact.depth > 0.0
+        there = (contact.depth > 0.0) & counts
         for block in np.unique(stations.block[there]).tolist():
             at = np.flatnonzero(there & (stations.block == block))
             worst = int(at[np.argmax(contact.depth[at])])

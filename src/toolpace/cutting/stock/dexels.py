@@ -343,6 +343,7 @@ def _rays(origin: Floats, step: Floats, count: Ints) -> DexelStock:
     first: Ints = np.concatenate([[0], np.cumsum(faces)]).astype(np.int64)
     rays = int(first[3])
     nothing = np.full(rays, -1, np.int64)
-    stock = DexelStock(Field(origin, step, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0])), (origin, origin))
+    field = Field(origin, step, count, first, np.ones(rays), np.zeros(rays), nothing, np.array([-1, 0]))
+    stock = DexelStock(field, (origin, origin))
     stock.spare(int(SPARE * rays) + 64)
     return stock

@@ -201,9 +201,10 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float, ahead: int
         c = depth_on_ray(field, above + iu, at[d], most)
         e = depth_on_ray(field, above + ju, at[d], most)
         low, high = min(a, b, c, e), max(a, b, c, e)
-        # all far inside or far outside: the side is sure, which is more than a mixture tells, less than a plane
+        # all inside or all outside, one of them far: the side is sure, which is more than a mixture tells, and less
+        # than a plane
         spread = high - low
-        rank = 1.5 * most if low >= most or high <= -most else spread
+        rank = 1.5 * most if (low > 0.0 and high >= most) or (high < 0.0 and low <= -most) else spread
         if rank < score:
             score, which = rank, d
             best = (1.0 - fv) * ((1.0 - fu) * a + fu * b) + fv * ((1.0 - fu) * c + fu * e)
