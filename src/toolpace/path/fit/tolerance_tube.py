@@ -30,8 +30,9 @@ from toolpace.path.run import SplineRun
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
-SLOW = 0.3
-"""A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
+SLOW = 3.0
+"""A third derivative [1/m^2] that no axis feels: at 30 m/min a jerk of 0.4 m/s^3, a hundredth of usual limits. Nothing
+is smoothed below it."""
 LIMIT = 0.995
 """Share of the tolerance within which the curve must be found; the rest is for what lies between the looks."""
 STRAIGHT = 1e-6
