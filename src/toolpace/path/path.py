@@ -74,7 +74,7 @@ class Path:
         where it is slow; see `plan_program`, which finds them. PathError where nothing moves or no curve fits.
         """
         from toolpace.machine.machine import check_machine
-        from toolpace.path.fit.tolerance_tube import fit_runs
+        from toolpace.path.fit.tolerance_tube import TubeFit
         from toolpace.programs.toolpath import check_toolpath
 
         if hastes is not None:
@@ -87,7 +87,8 @@ class Path:
             check_machine(machine, "fit", "a Machine, or None")
         check_toolpath(toolpath, "fit")
         begin = time.perf_counter()
-        runs, tip, axis, wait = fit_runs(toolpath, tip_tolerance, axis_tolerance, machine, progress, speed_weights)
+        fit = TubeFit(toolpath, tip_tolerance, axis_tolerance, machine)
+        runs, tip, axis, wait = fit.runs(progress, speed_weights)
         return cls(runs, tip, axis, time.perf_counter() - begin, wait)
 
     @classmethod

@@ -5,14 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbed.positioned import positioned
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from tests.support.tool_paths import tilted, toolpath_through
 from toolpace.common.workers import UNTOLD, Workers
+from toolpace.kernels.fit import smoothest
+from toolpace.machine.machine import Machine
 from toolpace.path.fit import smoothest_spline
 from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.path.fit.smoothest_spline import inside_spline
 from toolpace.path.fit.spline import Comparison, knots_of
 from toolpace.path.path import Path
+from toolpace.programs.reading import read_text
 
 TIP, AXIS = 10e-6, 1e-3
 
@@ -125,3 +129,22 @@ def test_cost_grows_in_proportion_to_the_blocks():
     """Windows keep it from growing faster, but for their seams."""
     small, large = (wave(n, 3.0 * n / 4000) for n in (8000, 32000))
     assert order_of_growth(Path.fit, small, large, 4.0) < NEARLY_LINEAR
+
+
+def test_no_solve_goes_on_while_only_rounding_is_left(monkeypatch):
+    """Operations on tilted planes: the third derivatives of a large arc on which the table turns and of the corners lie
+    decades apart, and a joint that turns only there has nothing left to smooth; such solves took 80 steps."""
+    machine = Machine.load("xyzbc-trunnion")
+    toolpath = read_text(positioned(2), machine, controller="fanuc")
+    steps = []
+    whole = smoothest.smoothest
+
+    def counted(*arguments):
+        out = whole(*arguments)
+        steps.append(out[0])
+        return out
+
+    monkeypatch.setattr(smoothest, "smoothest", counted)
+    path = Path.fit(toolpath, TIP, AXIS, machine)
+    assert path.tip_deviation <= TIP and len(steps) >= 2
+    assert min(steps) >= 0 and max(steps) < 40

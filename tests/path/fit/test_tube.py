@@ -17,6 +17,7 @@ from toolpace.path.fit import spline as sampling
 from toolpace.path.fit import tolerance_tube as fitting
 from toolpace.path.fit.polyline import PlaceTolerances, great_circle, polylines
 from toolpace.path.fit.smoothest_spline import first_breaks
+from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.path import Path
 
 TIP, AXIS = 10e-6, 1e-3
@@ -138,6 +139,27 @@ def test_turn_of_the_table_at_the_pole():
     run = Path.fit(toolpath, TIP, AXIS, machine=MACHINE).runs[0]
     assert run.evaluate(np.array([run.s1])).rotary[0][0] == pytest.approx([2.0, 0.0])
     assert run.s1 > 0
+
+
+def test_fits_within_the_same_tolerances_share_what_no_weight_changes():
+    """A corner, and a straight way after a stop: fits for two motions are those that were made alone, and the straight
+    run is fitted once."""
+    corner = np.array([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.02, 0.02, 0.0]])
+    way = np.concatenate([corner, [[0.02, 0.02, 0.03]]])
+    stop = np.array([True, False, True, True])
+    toolpath = replace(toolpath_through(way, up(4)), stop=stop)
+    fit = fitting.TubeFit(toolpath, TIP, AXIS, None)
+    s = np.linspace(0.0, 0.04, 50)
+    still = np.zeros(50)
+    for speed in (0.01 + s, 0.06 - s):
+        weights = [SpeedWeights(s, np.stack([speed, still, still]), 0.05, 6.0)] * 2
+        runs = fit.runs(None, weights)[0]
+        alone = Path.fit(toolpath, TIP, AXIS, speed_weights=weights)
+        for one, other in zip(runs, alone.runs):
+            assert np.array_equal(one.breaks, other.breaks)
+            assert np.array_equal(one.coefficients, other.coefficients)
+        assert runs[1] is fit.runs(None)[0][1]
+        assert not np.array_equal(runs[0].coefficients, fit.runs(None)[0][0].coefficients)
 
 
 def test_a_straight_line_stays_straight():

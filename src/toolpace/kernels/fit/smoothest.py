@@ -10,6 +10,7 @@ coefficients of g coordinates, so the Newton matrix is banded with 6 g entries a
     until the gap is small in every stretch, and the samples are inside:
         residuals        how far the samples are off and outside, the gradient
         stretches        the roughness against which the gap is measured
+        share_out        what each sample shall have of the gap
         measure          duality gap, infeasibility and residual of the optimality condition
         factor_newton    the Newton matrix
         take_step        predict: the step to a gap of zero, and how far it could be taken
@@ -24,6 +25,11 @@ constraint, a slack and a multiplier. Linearised about them, with d for what a s
 
 and with the slacks and multipliers eliminated the Newton matrix has the roughness, the pull and the moments
 multiplier G + multiplier / slack q q' of the samples.
+
+The path to the optimum is a weighted one (Jansen, Roos, Terlaky, Vial, Primal-dual target-following algorithms for
+linear programming, 1996): the products aimed for are as uneven as the square root of the roughness of the stretch.
+With equal products all stretches wait for the smoothest: its gap is small enough when that of a corner is 10^10 times
+smaller than it need be. With products as uneven as the roughness itself the corner's error shows beside it.
 """
 
 from __future__ import annotations
@@ -32,7 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolpace.kernels.arrays import Floats
+from toolpace.kernels.arrays import Floats, Ints
 from toolpace.kernels.copy import copy
 from toolpace.kernels.fit.band import empty, factor, solve
 from toolpace.kernels.fit.smoothing_spline import (
@@ -69,6 +75,8 @@ class Iterate(NamedTuple):
     """(m,)"""
     multiplier: Floats
     """(m,)"""
+    share: Floats
+    """(m,) of the product of slack and multiplier that is aimed for; 1 in the mean."""
     gradient: Floats
     """(n g,) of the roughness; from `measure` on that of the Lagrangian."""
     work: Floats
@@ -116,8 +124,8 @@ class Measure(NamedTuple):
 def new_iterate(m: int, g: int, n: int, cells: int) -> Iterate:
     """Room for m samples of g coordinates, n free coefficients."""
     return Iterate(
-        np.empty((m, g)), np.empty((m, g)), np.empty(m), np.empty(m), np.empty(m), np.empty(n * g), np.empty((m, g)),
-        np.zeros(cells), np.empty((m, g, g)),
+        np.empty((m, g)), np.empty((m, g)), np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(n * g),
+        np.empty((m, g)), np.zeros(cells), np.empty((m, g, g)),
     )  # fmt: skip
 
 
@@ -156,16 +164,20 @@ def smoothest(
     step = new_step(m, g, n, len(x))
     radius = tube.radius.copy()
     value = gap = 0.0
+    length, residual = 0.0, np.inf
     for iteration in range(max_steps):
         residuals(rough, samples, tube.pull, radius, x, free, now)
         part = stretches(rough, samples, tube.pull, floor, accuracy, now)
         value = np.sum(part)
+        share_out(samples.first, part, now.share)
         if iteration == 0:
             start(samples, radius, free, value / m, now)
         at = measure(rough.weight, samples, tube.pull, radius, part, free, now)
         gap = at.gap
-        # below a hundredth of the gap asked for, what is left of the residual is rounding
-        even = at.residual <= 0.05 * at.top or at.open_gap <= 0.01 * accuracy
+        # what a full step does not halve is rounding, and so is the residual below a hundredth of the gap asked for
+        rounding = (length == 1.0 and at.residual > 0.5 * residual) or at.open_gap <= 0.01 * accuracy
+        even = at.residual <= 0.05 * at.top or rounding
+        residual = at.residual
         if at.outside <= INFEASIBLE and at.open_gap <= accuracy and even:
             return iteration, value, gap
         if not (at.outside < np.inf and at.residual < np.inf and at.open_gap > ROUNDING * accuracy):
@@ -218,8 +230,24 @@ def stretches(rough: Roughness, samples: Samples, pull: Floats, floor: Floats, a
 
 
 @jit()
+def share_out(first: Ints, part: Floats, share: Floats) -> None:
+    """What each sample (m,) shall have of the gap, 1 in the mean: the square root of the roughness that its stretch and
+    the neighbours have for each of its samples; part (stretches + 2,) of `stretches`."""
+    count = np.zeros(len(part) - 2)
+    for j in range(len(first)):
+        count[first[j] // SEGMENT] += 1.0
+    whole = 0.0
+    for j in range(len(first)):
+        k = first[j] // SEGMENT
+        share[j] = np.sqrt((part[k] + part[k + 1] + part[k + 2]) / count[k])
+        whole += share[j]
+    for j in range(len(first)):
+        share[j] *= len(first) / whole
+
+
+@jit()
 def start(samples: Samples, radius: Floats, free: Free, mu: float, now: Iterate) -> None:
-    """Slacks and multipliers with products mu.
+    """Slacks and multipliers with products of their share of mu.
 
     Samples outside that touch a coefficient that stays get a radius with room for where they are, and a little more.
     """
@@ -230,7 +258,7 @@ def start(samples: Samples, radius: Floats, free: Free, mu: float, now: Iterate)
             radius[j] = np.sqrt(before**2 + 2.002 * excess[j])
             excess[j] -= 0.5 * (radius[j] ** 2 - before**2)
         now.slack[j] = max(-excess[j], 0.05 * radius[j] ** 2)
-        now.multiplier[j] = mu / now.slack[j]
+        now.multiplier[j] = mu * now.share[j] / now.slack[j]
 
 
 @jit()
@@ -284,7 +312,8 @@ def factor_newton(rough: Roughness, samples: Samples, pull: Floats, free: Free, 
 
 @jit()
 def aim(metric: Floats, now: Iterate, product: float, bent: float, step: Step) -> None:
-    """What each sample adds to the right side of the Newton system, for products of slack and multiplier `product`.
+    """What each sample adds to the right side of the Newton system, for its share of a `product` of slack and
+    multiplier.
 
     Where `bent` is above zero, the second order of a step so long as this share of the one before is taken along: the
     curvature of the ball in the excess and the force, and the product of the changes of slack and multiplier.
@@ -294,7 +323,7 @@ def aim(metric: Floats, now: Iterate, product: float, bent: float, step: Step) -
     m, g = force.shape
     for j in range(m):
         lack = excess[j] + slack[j]
-        centre = product - slack[j] * multiplier[j]
+        centre = product * now.share[j] - slack[j] * multiplier[j]
         bend = 0.0
         if bent > 0.0:
             for c in range(g):

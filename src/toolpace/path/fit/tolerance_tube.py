@@ -30,8 +30,9 @@ from toolpace.path.run import SplineRun
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
-SLOW = 0.3
-"""A third derivative [1/m^2] that no axis feels at any speed of machining; nothing is smoothed below it."""
+SLOW = 3.0
+"""A third derivative [1/m^2] that no axis feels: at 30 m/min a jerk of 0.4 m/s^3, a hundredth of usual limits. Nothing
+is smoothed below it."""
 LIMIT = 0.995
 """Share of the tolerance within which the curve must be found; the rest is for what lies between the looks."""
 STRAIGHT = 1e-6
@@ -57,56 +58,108 @@ class FittedRun(NamedTuple):
     """Of the tool axis [rad]."""
 
 
-def fit_runs(
-    toolpath: ToolPath,
-    tip_tolerance: float | Tolerances,
-    axis_tolerance: float | Tolerances,
-    machine: Machine | None,
-    progress: Callable[[float], None] | None,
-    speed_weights: Sequence[SpeedWeights] | None = None,
-) -> tuple[tuple[SplineRun, ...], float, float, float]:
-    """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s]."""
-    from toolpace.kernels.ahead_of_time import ensure_warm
+class TubeFit:
+    """Fits of one tool path within the same tolerances: what does not depend on their weights is made once.
 
-    if len(toolpath) < 2:
-        raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
-    tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
-    ensure_warm()
-    lines = polylines(toolpath, tolerances, machine)
-    machines = [None] * len(lines) if machine is None else machine.with_tools(line.tool_length for line in lines)
+    A run without weights, and a straight one, is fitted once.
+    """
 
-    def one(k: int, workers: Workers, share: Progress) -> FittedRun:
-        line = lines[k]
-        try:
-            speed_weight = speed_weights[k] if speed_weights is not None else None
-            return fit_run(line, toolpath, tolerances, machines[k], workers, share, speed_weight)
-        except PathError as error:
-            place = f"{toolpath.source or 'tool path'}:{toolpath.block[line.entry[0]]}-{toolpath.block[line.entry[-1]]}"
-            raise PathError(f"{place}: {error}; widen the tolerance") from None
+    def __init__(
+        self,
+        toolpath: ToolPath,
+        tip_tolerance: float | Tolerances,
+        axis_tolerance: float | Tolerances,
+        machine: Machine | None,
+    ) -> None:
+        from toolpace.kernels.ahead_of_time import ensure_warm
 
-    fitted = side_by_side(one, [len(line.s) for line in lines], progress)
-    tip = max(run.tip_deviation for run in fitted)
-    axis = max(run.axis_deviation for run in fitted)
-    return tuple(run.run for run in fitted), tip, axis, lines[0].wait
+        if len(toolpath) < 2:
+            raise PathError(f"{toolpath.source or 'tool path'}: nothing moves: fewer than two points")
+        self.toolpath = toolpath
+        self.tolerances = PlaceTolerances.of(toolpath, tip_tolerance, axis_tolerance)
+        ensure_warm()
+        self.lines = polylines(toolpath, self.tolerances, machine)
+        self.machines: Sequence[Machine | None] = [None] * len(self.lines)
+        if machine is not None:
+            self.machines = machine.with_tools(line.tool_length for line in self.lines)
+        self._firsts: dict[int, Spline] = {}
+        self._smoothest: dict[int, FittedRun] = {}
+
+    def runs(
+        self, progress: Callable[[float], None] | None, speed_weights: Sequence[SpeedWeights | None] | None = None
+    ) -> tuple[tuple[SplineRun, ...], float, float, float]:
+        """Runs, the largest deviation of tip [m] and tool axis [rad], and the time to wait before the first run [s].
+
+        `speed_weights`: of each run, None where it is as smooth as can be. Raises PathError where no curve fits.
+        """
+        weights = speed_weights if speed_weights is not None else [None] * len(self.lines)
+
+        def one(k: int, workers: Workers, share: Progress) -> FittedRun:
+            try:
+                return self._run(k, weights[k], workers, share)
+            except PathError as error:
+                entry = self.lines[k].entry
+                block = self.toolpath.block[entry]
+                place = f"{self.toolpath.source or 'tool path'}:{block[0]}-{block[-1]}"
+                raise PathError(f"{place}: {error}; widen the tolerance") from None
+
+        fitted = side_by_side(one, [len(line.s) for line in self.lines], progress)
+        tip = max(run.tip_deviation for run in fitted)
+        axis = max(run.axis_deviation for run in fitted)
+        return tuple(run.run for run in fitted), tip, axis, self.lines[0].wait
+
+    def _run(self, k: int, speed_weight: SpeedWeights | None, workers: Workers, progress: Progress) -> FittedRun:
+        """Run number k with its weights."""
+        line, machine, axis_tolerance = self.lines[k], self.machines[k], self.tolerances.axis
+        if is_straight(line):
+            speed_weight = None
+        if speed_weight is None and k in self._smoothest:
+            return self._smoothest[k]
+        weight = turn_weight(line, self.tolerances.tip, axis_tolerance, machine)
+        check = Comparison(line, axis_tolerance, machine, machine is not None and self.toolpath.rotary is not None)
+        if k not in self._firsts:
+            breaks = first_breaks(line)
+            self._firsts[k] = inside_spline(line, breaks, weight, axis_tolerance, machine, check.between, workers)[0]
+        first = self._firsts[k]
+        samples = sample(line, first.breaks, axis_tolerance, machine)
+        start = Start(line, machine, weight, check, first, samples)
+        found = fit_run(start, self.toolpath, self.tolerances, workers, progress, speed_weight)
+        if found is None and speed_weight is not None:
+            return self._run(k, None, workers, progress)
+        if found is None:
+            raise PathError("the curve cannot be kept inside the tolerance")
+        if speed_weight is None:
+            self._smoothest[k] = found
+        return found
+
+
+class Start(NamedTuple):
+    """What the fit of a run begins with."""
+
+    line: Polyline
+    machine: Machine | None
+    """With the tool that is in the spindle."""
+    weight: Floats
+    """Of the roughness of each coordinate of the turn."""
+    check: Comparison
+    first: Spline
+    """Well inside the tube."""
+    samples: Samples
+    """Of the first spline."""
 
 
 def fit_run(
-    line: Polyline,
+    start: Start,
     toolpath: ToolPath,
     tolerances: PlaceTolerances,
-    machine: Machine | None,
     workers: Workers,
     progress: Progress,
     speed_weight: SpeedWeights | None = None,
-) -> FittedRun:
-    """One run, on the machine with the tool that is in the spindle. Raises PathError where no curve fits."""
+) -> FittedRun | None:
+    """One run; None where no curve is found within the tolerance."""
+    line, machine, weight, check, first, samples = start
     tip_tolerance, axis_tolerance = tolerances.tip, tolerances.axis
-    weight = turn_weight(line, tip_tolerance, axis_tolerance, machine)
     least_third = SLOW * tip_tolerance**2
-    check = Comparison(line, axis_tolerance, machine, machine is not None and toolpath.rotary is not None)
-    if is_straight(line):
-        speed_weight = None
-    first, samples = inside_spline(line, first_breaks(line), weight, axis_tolerance, machine, check.between, workers)
     spline, data = first.copy(), samples
     narrow: list[tuple[Floats, Floats]] = []
     where: Floats | None = None
@@ -147,11 +200,9 @@ def fit_run(
             spline = spline.over(breaks)
         data = sample(line, breaks, axis_tolerance, machine, s, data)
     if speed_weight is not None:
-        return fit_run(line, toolpath, tolerances, machine, workers, progress)
+        return None
     found = deviations(check, first, samples)
-    if len(found.bad):
-        raise PathError("the curve cannot be kept inside the tolerance")
-    return finished(found, first)
+    return None if len(found.bad) else finished(found, first)
 
 
 def is_straight(line: Polyline) -> bool:

@@ -8,6 +8,7 @@ within the tolerances at hand
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,6 +23,7 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.fit.speed_weights import SpeedWeights
+from toolpace.path.fit.tolerance_tube import TubeFit
 from toolpace.path.path import Path
 from toolpace.planning.mesh.initial_guess import ramp_time
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation, crawls
@@ -114,6 +116,8 @@ class AlternatingOptimisation:
         self.unknown: list[Candidate] = []
         self.ranking = CheapEvaluation(whole={})
         self.tried = 0
+        self.fit: TubeFit | None = None
+        """Fits within the tolerance at hand, once there was one."""
         self.motion: Trajectory | None = None
         """The fastest within the tolerance at hand."""
         self.best: Fastest | None = None
@@ -125,6 +129,7 @@ class AlternatingOptimisation:
         """Take tolerances of the axis, `widest` [rad] at most, for those at hand."""
         self.tolerances, self.widest = tolerances, widest
         self.elsewhere, self.motion = None if self.best is None else self.best.motion, None
+        self.fit = None
         self.levels.append([])
 
     def begin(self, *, last: bool) -> None:
@@ -228,9 +233,11 @@ class AlternatingOptimisation:
         """A path, and its motion with limits held at the nodes; None where there is none (a whole plan will say why),
         or none that tells how fast the path is."""
         part = self._part()
-        path = Path.fit(
-            self.toolpath, self.tip_tolerance, self.tolerances, self.machine, part.part(0.0, FITTED), speed_weights
-        )
+        begin = time.perf_counter()
+        if self.fit is None:
+            self.fit = TubeFit(self.toolpath, self.tip_tolerance, self.tolerances, self.machine)
+        runs, tip, axis, wait = self.fit.runs(part.part(0.0, FITTED), speed_weights)
+        path = Path(runs, tip, axis, time.perf_counter() - begin, wait)
         return path, self._motion(path, part.part(FITTED, 1.0))
 
     def _part(self) -> Progress:
