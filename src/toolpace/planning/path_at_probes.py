@@ -41,6 +41,8 @@ class PathAtProbes:
         seen."""
         self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) those in which the path does."""
+        self.alike = np.zeros(len(nodes) - 1, dtype=np.bool_)
+        """(n - 1,) those in which the derivatives at both ends have been seen to tell the path."""
         breaks = run.breaks[(run.breaks > nodes[0]) & (run.breaks < nodes[-1]) & ~np.isin(run.breaks, nodes)]
         self._torn = np.zeros(len(nodes) - 1, dtype=np.bool_)
         self._torn[np.searchsorted(nodes, breaks) - 1] = True
@@ -48,14 +50,15 @@ class PathAtProbes:
     def interpolated(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
         """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending."""
         begin, end = self.nodes[which], self.nodes[which + 1]
-        low, middle, high = self._ends_and_middles(which)
-        z = self._highest_z(low, middle, high)
         length = end - begin
+        low, middle, high = self._ends_and_middles(which, begin + length / 2.0)
+        z = self._highest_z(low, middle, high)
         unlike = ~self._alike(begin, length, low[0], middle[0], high[0], z)
         torn = self._torn[which]
         out = path_between(low[0], high[0], length, inside)
         halved = np.flatnonzero(unlike & ~torn)
         alike, of_halves = self._halves(begin, length, halved, low[0], middle[0], high[0], z, inside)
+        self.alike[which] = ~unlike & ~torn
         out[halved[alike]], unlike[halved[alike]] = of_halves[alike], False
         self.hiding[which] = unlike | torn
         caps, vague = self._caps(begin, end, low[1], middle[1], high[1], inside)
@@ -71,25 +74,39 @@ class PathAtProbes:
         by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
         return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
 
-    def _ends_and_middles(self, which: Ints) -> list[tuple[Floats, Floats]]:
-        """Path (4, n, m) and cap (n,) where the cells `which` (n,) begin, in their middles, and where they end.
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
+        """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), none of them a node: the path as the ends of its cell
+        tell it, where they have been seen to do so."""
+        cell = np.searchsorted(self.nodes, s) - 1
+        alike = self.alike[cell]
+        if not alike.any():
+            return self.cache.with_cap(s)
+        which, own = np.unique(cell[alike], return_inverse=True)
+        (low, _), _, (high, _) = self._ends_and_middles(which, np.empty(0))
+        begin, end = self.nodes[which], self.nodes[which + 1]
+        share = (s[alike] - begin[own]) / (end - begin)[own]
+        path, cap = np.empty((4, len(s), low.shape[2])), np.empty(len(s))
+        path[:, alike] = path_at(low[:, own], high[:, own], (end - begin)[own], share)
+        cap[alike] = self.run.speed_cap(s[alike])
+        path[:, ~alike], cap[~alike] = self.cache.with_cap(s[~alike])
+        return path, cap
+
+    def _ends_and_middles(self, which: Ints, middles: Floats) -> list[tuple[Floats, Floats]]:
+        """Path (4, n, m) and cap (n,) where the cells `which` (n,), ascending, begin, at some `middles` (k,), and where
+        they end.
 
         The path is from inside a cell at a break.
         """
         at = np.union1d(which, which + 1)
-        nodes, count, cells = self.nodes[at], len(at), len(which)
+        nodes, count = self.nodes[at], len(at)
         first, last = np.searchsorted(at, which), np.searchsorted(at, which + 1)
         broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
-        middles = nodes[first] + (nodes[last] - nodes[first]) / 2.0
         s = np.concatenate([nodes, middles, np.nextafter(nodes[broken], -np.inf)])
         q, cap = self.cache.with_cap(np.clip(s, self.run.s0, self.run.s1))
         high, cap_high = q[:, :count].copy(), cap[:count].copy()
-        high[:, broken], cap_high[broken] = q[:, count + cells :], cap[count + cells :]
-        parts = (
-            (q[:, first], cap[first]),
-            (q[:, count : count + cells], cap[count : count + cells]),
-            (high[:, last], cap_high[last]),
-        )
+        high[:, broken], cap_high[broken] = q[:, count + len(middles) :], cap[count + len(middles) :]
+        between = slice(count, count + len(middles))
+        parts = (q[:, first], cap[first]), (q[:, between], cap[between]), (high[:, last], cap_high[last])
         return [(np.ascontiguousarray(path), of_path) for path, of_path in parts]
 
     def _highest_z(self, *places: tuple[Floats, Floats]) -> Floats:
@@ -154,6 +171,24 @@ def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> F
     """q', q'', q''' (n, 3, m, k) at the shares `inside` (k,) of cells, from the path (4, n, m) at both their ends."""
     out = np.empty((len(length), 3, low.shape[2], len(inside)))
     between_nodes.path_between(low, high, length, inside, out)
+    return out
+
+
+def path_at(low: Floats, high: Floats, length: Floats, share: Floats) -> Floats:
+    """Position and derivatives (4, n, m) at one share (n,) of each cell, as the quintic of q' that both its ends (4, n,
+    m) give."""
+    h, x = length[:, None], share[:, None]
+    d0, c0, d1, c1 = h * low[2], h * h * low[3], h * high[2], h * h * high[3]
+    rise, slope, bend = high[1] - low[1] - d0 - 0.5 * c0, d1 - d0 - c0, c1 - c0
+    a3 = 10.0 * rise - 4.0 * slope + 0.5 * bend
+    a4 = -15.0 * rise + 7.0 * slope - bend
+    a5 = 6.0 * rise - 3.0 * slope + 0.5 * bend
+    out = np.empty_like(low)
+    gained = low[1] + x * (d0 / 2.0 + x * (c0 / 6.0 + x * (a3 / 4.0 + x * (a4 / 5.0 + x * a5 / 6.0))))
+    out[0] = low[0] + h * x * gained
+    out[1] = low[1] + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
+    out[2] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
+    out[3] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
     return out
 
 

@@ -76,6 +76,7 @@ class LimitCheck:
         whole = parts == 1
         self.path.unlike = np.repeat(check.path.unlike & whole, parts)
         self.path.hiding = np.repeat(check.path.hiding & whole, parts)
+        self.path.alike = np.repeat(check.path.alike, parts)
         found = Peaks(np.repeat(peaks.used, parts, axis=0), np.repeat(peaks.place, parts, axis=0))
         self._last = np.repeat(np.where(whole[:, None], cells, np.nan), parts, axis=0), found
 
@@ -87,10 +88,12 @@ class LimitCheck:
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
             mine = changed[which]
+            whole = bool(mine.all())
             if first in self._kept:
-                return self._of(which[mine], law, *(each[mine] for each in self._kept[first]))
+                path = self._kept[first]
+                return self._of(which[mine], law, *(path if whole else (each[mine] for each in path)))
             path = self.path.interpolated(which[mine], law.inside)
-            if last <= KEPT_CELLS and mine.all():
+            if last <= KEPT_CELLS and whole:
                 self._kept[first] = path
             return self._of(which[mine], law, *path)
 
