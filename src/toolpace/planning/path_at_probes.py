@@ -223,6 +223,8 @@ class CachedPath:
         """(n,) where it is known, ascending."""
         self._path, self._cap = np.empty((4, 0, 0)), np.empty(0)
         """(4, n, joints) and (n,) there."""
+        self.rest_caps: dict[tuple[float, float], float] = {}
+        """Most z at the inner ends of cells at rest, by that node and the way to rest."""
 
     def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""

@@ -11,6 +11,7 @@ from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.path_detail import allowed, closer_look
+from toolpace.planning.path_at_probes import CachedPath
 
 ROUGH, ROUGH_BY = 0.05, 1.5
 """Share of the intervals between such places, beyond which more are needed, and the factor that makes one rough."""
@@ -71,7 +72,7 @@ def fleeting(length: float, duration: float) -> float:
     return (length / (FLEETING * duration)) ** 2
 
 
-def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
+def steady_speed(run: AxisRun | CachedPath, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
     """(n,) z that all limits allow at steady speed, and (n,) the most d3s/dt3 they allow at rest."""
     steady, third = np.empty(len(s)), np.empty(len(s))
     for i in range(0, len(s), CHUNK):

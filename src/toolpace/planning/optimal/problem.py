@@ -139,7 +139,7 @@ def discretise(
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
-            cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))
+            cap[place] = min(cap[place], cached_rest_cap(run, limits, inner[place], rest[k], k == 0, cache))
         else:
             # what the state fixes has been checked and is no row; acceleration further on is not fixed
             here = node == node[place]
@@ -218,6 +218,18 @@ def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.b
     order = np.argsort(node, kind="stable")
     node = node[order]
     return node, point[order], np.concatenate([node[1:] == node[:-1], [False]])
+
+
+def cached_rest_cap(
+    run: AxisRun, limits: Limits, node: float, length: float, forth: bool, cache: CachedPath | None
+) -> float:
+    """As `rest_cap`, which is worked out once for each such cell of a run."""
+    if cache is None:
+        return rest_cap(run, limits, node, length, forth)
+    cell = float(node), -length if forth else length
+    if cell not in cache.rest_caps:
+        cache.rest_caps[cell] = rest_cap(run, limits, node, length, forth)
+    return cache.rest_caps[cell]
 
 
 def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bool) -> float:
