@@ -10,6 +10,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 
 UNLIKE = 1e-6
@@ -22,7 +23,7 @@ OFF = 1e-6
 """How far any other cap, which is asked at each probe, may be from that polynomial in a cell that is taken for simple,
 relative to itself."""
 FASTER = 4.0
-"""How much of the z at steady speed a motion may have."""
+"""How much of the z at steady speed, or of that of the law at hand, a motion may have."""
 
 
 class PathAtProbes:
@@ -43,16 +44,37 @@ class PathAtProbes:
         """(n - 1,) those in which the path does."""
         self.alike = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) those in which the derivatives at both ends have been seen to tell the path."""
+        self._highest = np.full(len(nodes) - 1, np.inf)
+        """(n - 1,) z up to which that counts."""
         breaks = run.breaks[(run.breaks > nodes[0]) & (run.breaks < nodes[-1]) & ~np.isin(run.breaks, nodes)]
         self._torn = np.zeros(len(nodes) - 1, dtype=np.bool_)
         self._torn[np.searchsorted(nodes, breaks) - 1] = True
 
-    def interpolated(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending."""
+    def take_over(self, before: PathAtProbes, parts: Ints) -> None:
+        """Take what was seen on a mesh whose cells have been cut into so many parts (cells,) for this one."""
+        whole = parts == 1
+        self.unlike, self.hiding = (np.repeat(marks & whole, parts) for marks in (before.unlike, before.hiding))
+        self.alike, self._highest = np.repeat(before.alike, parts), np.repeat(before._highest, parts)
+
+    def is_outgrown(self, law: SplineLaw) -> bool:
+        """Whether a law is so fast somewhere that what was seen of the path does not count."""
+        z = law.z_at_nodes()
+        return bool((np.maximum(z[:-1], z[1:]) > self._highest).any())
+
+    def interpolated(self, which: Ints, inside: Floats, law: SplineLaw | None = None) -> tuple[Floats, Floats]:
+        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending.
+
+        For motions whose z is nowhere more than FASTER times that at steady speed, or that of `law`: next to rest that
+        is far less, and what positions gain in so short a cell is rounding.
+        """
         begin, end = self.nodes[which], self.nodes[which + 1]
         length = end - begin
         low, middle, high = self._ends_and_middles(which, begin + length / 2.0)
         z = self._highest_z(low, middle, high)
+        if law is not None:
+            of_law = law.z_at_nodes()
+            self._highest[which] = FASTER * np.maximum(of_law[which], of_law[which + 1])
+            z = np.minimum(z, self._highest[which])
         unlike = ~self._alike(begin, length, low[0], middle[0], high[0], z)
         torn = self._torn[which]
         out = path_between(low[0], high[0], length, inside)
