@@ -70,7 +70,7 @@ def held_between_nodes(
         peaks, now, slow = checked_between_nodes(meshed, law, number, workers)
         dips = law.dips()
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
-            gently = slowed_in_place(meshed.look, law, peaks.used, meshed.ramp, workers)
+            gently = slowed_in_place(meshed.look, law, peaks.used, meshed.ramp, workers, slow)
             if gently is not None:
                 if best is None or gently.duration <= (1.0 + EASED_BY) * least:
                     return gently

@@ -49,6 +49,8 @@ def in_place(look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, strain
     """
     above = largest(peak) > GUARANTEE
     loss = np.zeros(len(peak))
+    if not above.any():
+        return SlowDown(np.ones(len(law.c)), loss, above)
     loss[above] = 1.0 - 1.0 / (slowing_by_cell(peak[above]) - LEFT_ABOVE)
     reach = ramp * np.maximum(kernel.WIDEST, loss[above] / kernel.LOSS_A_RAMP)
     cells = np.flatnonzero(above)
@@ -73,19 +75,24 @@ def in_place(look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, strain
     return SlowDown(left, cost, above)
 
 
-def slowed_in_place(look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, workers: Workers) -> SplineLaw | None:
-    """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough."""
+def slowed_in_place(
+    look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, workers: Workers, slow: SlowDown | None = None
+) -> SplineLaw | None:
+    """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough.
+
+    `slow` is how, where that is worked out already.
+    """
     if peak.max() <= GUARANTEE:
         return law
-    strained = None
     for _ in range(2):
-        gently = SplineLaw(law.nodes, law.c * in_place(look, law, peak, ramp, strained).left, law.rest)
+        slow = slow or in_place(look, law, peak, ramp)
+        gently = SplineLaw(law.nodes, law.c * slow.left, law.rest)
         if gently.dips().any():
             return None
         used = look.confirmed(gently, look.peaks(gently, workers), workers).used
         if used.max() <= GUARANTEE:
             return gently
-        strained = largest(used) > GUARANTEE
+        slow = in_place(look, law, peak, ramp, largest(used) > GUARANTEE)
     return None
 
 
