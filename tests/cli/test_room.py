@@ -32,8 +32,16 @@ def test_memory_is_that_of_the_set_points_as_often_as_they_are_held(monkeypatch,
     if fine:
         refuse_too_many(1.0, 1e-3, 5)
         return
-    with pytest.raises(UsageError, match=r"1e\+03 set-points every 0\.001 s.*take a time step of 0\.001 s or more"):
+    with pytest.raises(UsageError, match=r"1e\+03 set-points every 0\.001 s.*take a time step of 0\.0011 s or more"):
         refuse_too_many(1.0, 1e-3, 5)
+
+
+@pytest.mark.parametrize("duration", [0.7, 31.0, 3601.0, 98765.4])
+def test_the_time_step_that_is_advised_is_not_refused(monkeypatch, duration):
+    monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: 1e5)
+    with pytest.raises(UsageError) as refused:
+        refuse_too_many(duration, 1e-6, 5)
+    refuse_too_many(duration, float(str(refused.value).partition("time step of ")[2].split()[0]), 5)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from toolpace.cli import main
 from toolpace.common.errors import InfeasibleError
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import OperationTime
+from toolpace.programs.reading.controllers.controller import Controller
 
 PROGRAM = (
     "G21 G90 G94\nG0 X0 Y0 Z10 A0 C0\nT1 M6\nG1 Z0 F1000\nG1 X40\nG1 Y30 A10\nG4 P1\nT2 M6\nG1 X0 C20\nG0 Z10\nM30\n"
@@ -136,7 +137,7 @@ def test_the_optimum_is_planned_with_the_limits_that_the_control_exceeds_too(tmp
         duration(0.02, 0.1, acceleration, acceleration / 1e-3)[1], rel=1e-3
     )
     page = " ".join(printed(capsys, *part).split())
-    assert "in the ramps of 1 block" in page and "likewise" in page
+    assert "in the ramps of at most 1 block" in page and "likewise" in page
 
 
 @pytest.mark.parametrize("fails", [False, True])
@@ -244,6 +245,13 @@ def test_figures_from_a_log_make_a_controllers_file(tmp_path, capsys):
     # what is there already is never replaced
     assert main(["time", *fit, "--write-controller", str(target)]) == 2
     assert "is there already" in capsys.readouterr().err
+    cut = tmp_path / "cut.toml"
+    lines = (tmp_path / "log.csv").read_text().splitlines()
+    (tmp_path / "log.csv").write_text("\n".join(lines[:-50]))
+    said = printed(capsys, *fit, "--write-controller", str(cut))
+    assert "in doubt: the axes are in motion where the log ends" in " ".join(said.split())
+    assert cut.read_text().startswith("# in doubt: the axes are in motion where the log ends: rows are missing")
+    assert Controller.load(cut).time["model"] == "lookahead"
 
 
 @pytest.mark.parametrize("model", ["linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal"])

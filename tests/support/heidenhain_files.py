@@ -94,8 +94,8 @@ def parameters_text(machine: Machine, changes: dict[str, str | None] | None = No
     return "".join(f"{name} : {text} ; comment\n" for name, text in values.items() if text is not None)
 
 
-def objects_text(machine: Machine) -> str:
-    """Configuration objects of the TNC 640, with a kinematic model of two subkinematics."""
+def axis_objects(machine: Machine) -> list[str]:
+    """Configuration objects of the axes and the path."""
     lines = ["-- configuration (* not a comment in one line *)", "(* axes,", "   CfgFeedLimits( key:=\"X\" *)"]
     for name, figures, ends in _limits(machine):
         limits = {key: figure for key, figure in figures.items() if key.startswith("sw")}
@@ -106,6 +106,12 @@ def objects_text(machine: Machine) -> str:
         modulo = f'CfgAxis( key:="{name}", isModulo:=TRUE )'
         lines.append(f'CfgPositionLimits( key:="P{name}1", {text} )' if ends else modulo)
     lines.append('CfgLaPath( key:="", minPathFeed:=60.0, minCornerFeed:=25.0, maxPathJerk:=70, maxPathJerkHi:=100 )')
+    return lines
+
+
+def objects_text(machine: Machine) -> str:
+    """Configuration objects of the TNC 640, with a kinematic model of two subkinematics."""
+    lines = axis_objects(machine)
     parts: dict[str, list[str]] = {"K_TOOL": [], "K_TABLE": []}
     part = "K_TOOL"
     for number, (key, axis, coordinate) in enumerate(walk(machine)):
@@ -125,3 +131,35 @@ def objects_text(machine: Machine) -> str:
         lines.append(f'CfgKinList( key:="{name}", kinObjects:=[{listed}] )')
     lines.append('CfgKinComposModel( key:="M1", subKinList:=["K_TOOL",\n  "K_TABLE"], tiltingAllowed:=TRUE )')
     return "\n".join(lines) + "\n"
+
+
+def vectors_text(machine: Machine) -> str:
+    """Configuration objects with a kinematic model of coordinate systems, each in the one before (CfgKinModel).
+
+    Z of a system is the way in which the tool goes, or against that of the workpiece; X is any direction across.
+    """
+    joints, chain = machine.file.joints, machine.file.chain
+    chance = np.random.default_rng(3)
+    lines, lists = axis_objects(machine), {}
+    ends = {
+        "Tool": (chain.tool, 1.0, "toolCoordSys", chain.spindle_nose, chain.tool_axis),
+        "Wp": (chain.workpiece, -1.0, "machineTableSys", (0.0, 0.0, 0.0), chain.workpiece_z),
+    }
+    for side, (names, sense, end, place, direction) in ends.items():
+        frame, origin, keys = np.eye(3), np.zeros(3), []
+        systems = [(name, sense * np.array(joints[name].direction), joints[name].point) for name in names]
+        for name, along, point in [*systems, (end, np.array(direction), place)]:
+            z = along / np.linalg.norm(along)
+            x = np.cross(z, chance.normal(size=3) if name != end else np.cross(chain.workpiece_x, z))
+            x = x / np.linalg.norm(x)
+            there = np.array(point) / MILLIMETRE if point is not None else origin
+            parts = {"location": frame.T @ (there - origin), "zDir": 2.0 * frame.T @ z, "xDir": frame.T @ x}
+            cells = ", ".join(f"{key}:=[{', '.join(map(repr, part.tolist()))}]" for key, part in parts.items())
+            keys.append(f"T_{side}_{name}")
+            lines.append(f'CfgTrafoByDir( key:="{keys[-1]}", {cells} )')
+            frame, origin = np.column_stack([x, np.cross(z, x), z]), there
+        axes = ", ".join(f'"P{name}1"' for name in names)
+        lists |= {f"axes{side}Side": f"[{axes}]", f"trafo{side}Side": str(keys[:-1]).replace("'", '"')}
+        lists[end] = f'"{keys[-1]}"'
+    attributes = ", ".join(f"{key}:={text}" for key, text in lists.items())
+    return "\n".join([*lines, f'CfgKinModel( key:="K1", {attributes} )']) + "\n"

@@ -10,6 +10,7 @@ import numpy as np
 
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.motion import Motion
 from toolpace.motion.setpoints import SetPoints
 from toolpace.motion.trajectory import OpenPlace, Skipped
 from toolpace.programs.toolpath import ToolPath
@@ -140,23 +141,31 @@ def program(spacing=5e-4, feed=0.05):
     )
 
 
-def set_points(dt=1e-3, spacing=5e-4, speed=0.05):
-    """The motion, sampled."""
+def joints_at(t, speed=0.05):
+    """(4, n, joints) joints and derivatives at times t (n,) in order, and (n,) the length passed of each run."""
     model = machine()
     laws = [Ramp(length, speed=speed) for length in LENGTHS]
     begin = laws[0].duration + DWELL
-    n = int(np.ceil((begin + laws[1].duration) / dt)) + 1
-    t = np.arange(n) * dt
-    jets, blocks, before = [], [], 10
-    for run, (low, high) in enumerate(((0.0, begin), (begin, np.inf))):
-        inside = (t >= low) & (t < high)
-        law = laws[run].at(t[inside] - low)
+    jets, lengths = [], []
+    for run, (low, high) in enumerate(((-np.inf, begin), (begin, np.inf))):
+        law = laws[run].at(t[(t >= low) & (t < high)] - max(low, 0.0))
         tip, rotary = curve(run, law[0])
         jets.append(model.linear_jets(in_time(tip, law), in_time(rotary, law)))
+        lengths.append(law[0])
+    return np.concatenate(jets, axis=1), lengths
+
+
+def set_points(dt=1e-3, spacing=5e-4, speed=0.05):
+    """The motion, sampled."""
+    model = machine()
+    duration = sum(Ramp(length, speed=speed).duration for length in LENGTHS) + DWELL
+    t = np.arange(int(np.ceil(duration / dt)) + 1) * dt
+    q, lengths = joints_at(t, speed)
+    blocks, before = [], 10
+    for run, length in enumerate(lengths):
         pieces = round(LENGTHS[run] / spacing)
-        blocks.append(before + np.minimum(np.floor(law[0] / LENGTHS[run] * pieces) + 1, pieces))
+        blocks.append(before + np.minimum(np.floor(length / LENGTHS[run] * pieces) + 1, pieces))
         before += pieces
-    q = np.concatenate(jets, axis=1)
     tip, axis = model.forward(np.ascontiguousarray(q[0]))
     block = np.concatenate(blocks).astype(np.int64)
     return SetPoints(t, *(np.ascontiguousarray(x) for x in q), tip=tip, axis=axis, block=block, joints=model.joints)
@@ -202,6 +211,8 @@ class AxisPath:
     def __init__(self):
         self.machine = machine()
         self.runs = [Run(length) for length in LENGTHS]
+        self.tool_lengths = np.full(2, np.nan)
+        self.first_dwell = 0.0
 
 
 class Trajectory:
@@ -223,12 +234,11 @@ class Trajectory:
         self.limits = Limits(**peaks(points), joints=self.joints)
 
     def at(self, t):
-        points = set_points()
-        k = np.clip(np.round(np.asarray(t) / 1e-3).astype(int), 0, len(points) - 1)
-        return SetPoints(
-            *(getattr(points, name)[k] for name in ("t", "q", "qd", "qdd", "qddd", "tip", "axis", "block")),
-            joints=self.joints,
-        )
+        t = np.asarray(t)
+        order = np.argsort(t, kind="stable")
+        q = np.empty((4, len(t), len(self.joints)))
+        q[:, order] = joints_at(t[order])[0]
+        return Motion(*q)
 
     def run_at(self, t):
         return np.searchsorted(self.starts, t, side="right") - 1

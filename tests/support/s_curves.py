@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from toolpace.controls.fitting.measured import MotionLog, trimmed
+from toolpace.controls.fitting.motion_log import MotionLog, trimmed
 
 
 def duration(length: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float]:

@@ -113,6 +113,46 @@ class Archive:
         lines += [f"$TC_CARR{21 + place}[{number}]=({name})" for place, name in enumerate(self.turning)]
         return [*lines, f'$TC_CARR23[{number}]="{self.kind}"']
 
+    def elements(self, world: np.ndarray) -> list[str]:
+        """Lines of a kinematic chain from a point `world` (3,) [m], and of its transformation.
+
+        The workpiece's side is parallel to the first element of the tool's, and elements are numbered backwards.
+        """
+        joints, chain = self.machine.file.joints, self.machine.file.chain
+        nose, at = np.array(chain.spindle_nose), {1.0: world, -1.0: world}
+        table = np.array([1.0, 2.0, 3.0])
+        self.zero = {"P": nose, "M": world, "T": world + table * self.length}[self.kind]
+        sides: dict[float, list[tuple[str, str, np.ndarray]]] = {1.0: [], -1.0: []}
+        for sense, names in ((1.0, chain.tool), (-1.0, chain.workpiece)):
+            for name in names:
+                if joints[name].kind == "rotary":
+                    point = self.point(self.turning.index(name))
+                    sides[sense] += [
+                        ("OFFSET", "", (point - at[sense]) / self.length),
+                        ("AXIS_ROT", name, 1.7 * self.direction(self.turning.index(name))),
+                    ]
+                    at[sense] = point
+                else:
+                    sides[sense].append(("AXIS_LIN", name, sense * 2.0 * np.eye(3)["XYZ".index(name)]))
+        sides[1.0].append(("OFFSET", "", (nose - at[1.0]) / self.length))
+        sides[-1.0].append(("OFFSET", "", table))
+        names = [f"T {k}" for k in range(len(sides[1.0]))], [f"P {k}" for k in range(len(sides[-1.0]))]
+        lines: list[str] = []
+        first = len(names[0]) + len(names[1])
+        for elements, own in zip(sides.values(), names):
+            for k, (kind, axis, vector) in enumerate(elements):
+                first -= 1
+                lines += [f'$NK_NAME[{first}]="{own[k]}" \'38c0', f'$NK_TYPE[{first}]="{kind}"']
+                lines += [f"$NK_OFF_DIR[{first},{i}]={float(vector[i])!r}" for i in range(3)]
+                lines.append(f'$NK_NEXT[{first}]="{own[k + 1] if k + 1 < len(own) else ""}"')
+                if axis:
+                    place = ["X", "Y", "Z", *self.turning].index(axis)
+                    lines.append(f'$NK_AXIS[{first}]="M{axis}{MACHINE_AXES[place]}"')
+                if own[k] == "T 0":
+                    lines.append(f'$NK_PARALLEL[{first}]="P 0"')
+        ends = f'$NT_T_CHAIN_LAST_ELEM[1]="{names[0][-1]}"', f'$NT_P_CHAIN_LAST_ELEM[1]="{names[1][-1]}"'
+        return [*lines, '$NT_TRAFO_TYPE[1]="TRAORI_DYN"', *ends]
+
     @property
     def length(self) -> float:
         return {"mm": MILLIMETRE, "in": INCH}[self.unit]

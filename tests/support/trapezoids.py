@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from tests.support.timed_programs import machine
-from toolpace.controls.fitting.measured import MotionLog
+from toolpace.controls.fitting.motion_log import MotionLog
 
 MACHINE = machine()
 

@@ -91,7 +91,7 @@ def chain_geometry(file: MachineFile, source: str) -> Geometry:
     first, second = rotary[0][0], rotary[1][0]
     u1, u2 = (sign * directions[name] for name, sign in rotary)
     a0 = _unit(chain.tool_axis, "tool_axis", source)
-    orientation = _workpiece_orientation(file, source)
+    orientation = workpiece_orientation(file, source)
     check_rotary(file, (first, second), np.array([u1, u2, a0]) @ orientation, source)
     p1, p2 = np.array(joints[first].point), np.array(joints[second].point)
     tip0 = np.array(chain.spindle_nose) - chain.tool_length * a0
@@ -142,7 +142,7 @@ def _unit(vector: tuple[float, float, float], key: str, source: str) -> Floats:
     return np.array(vector) / length
 
 
-def _workpiece_orientation(file: MachineFile, source: str) -> Floats:
+def workpiece_orientation(file: MachineFile, source: str) -> Floats:
     """(3, 3) columns x, y, z of the workpiece frame in the bed frame."""
     x = _unit(file.chain.workpiece_x, "workpiece_x", source)
     z = _unit(file.chain.workpiece_z, "workpiece_z", source)

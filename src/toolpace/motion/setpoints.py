@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
 from dataclasses import dataclass, field, fields
@@ -38,6 +39,9 @@ def refuse_too_many(
     if wanted <= free:
         return
     least = duration * row * copies / free
+    # written with two digits, and never below what just fits
+    digit = 10.0 ** (math.floor(math.log10(least)) - 1)
+    least = digit * math.ceil(least / digit)
     raise UsageError(
         f"set-points: {what} {format_time(duration)}, that is {duration / dt:.3g} set-points every {dt:g} s, and "
         f"{wanted / 1e9:.3g} GB of memory, of which {free / 1e9:.3g} GB are free; take a time step of {least:.2g} s or "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 UNCERTAINTIES = {"machined": 0.1e-3, "sawn": 1e-3, "cast": 2e-3, "forged": 2e-3}
 """How far the surface of a stock may be from where it is told to be, by kind of stock [m]."""

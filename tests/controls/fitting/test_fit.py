@@ -15,7 +15,8 @@ from tests.support.trapezoids import REAL, log_of, program
 from toolpace import Limits, Machine
 from toolpace.common.errors import UsageError
 from toolpace.controls.fitting.fit import fit_log, fit_measured, fit_times
-from toolpace.controls.fitting.measured import MotionLog, WrittenTime, load_log, sustained_accelerations, trimmed
+from toolpace.controls.fitting.motion_log import MotionLog, load_log, progress, sustained_accelerations, trimmed
+from toolpace.controls.fitting.written_times import WrittenTime
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import time_of_moves, with_range
 from toolpace.programs.commanded import Commanded
@@ -143,6 +144,32 @@ def test_what_is_no_log_of_the_whole_program_in_its_units_is_refused(
         fit_log(moves, MACHINE, wrong(log_of()), figures_of({}, "", "lookahead"))
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-6])
+@pytest.mark.parametrize("share", [0.01, 0.05])
+@pytest.mark.parametrize("end", ["begins", "ends"])
+def test_a_log_that_is_cut_says_so(end: str, share: float, noise: float):
+    moves = read_commanded(Source.from_text(program(), "part.ngc"), MACHINE)
+    whole = log_of(noise=noise)
+    assert progress(moves, MACHINE, trimmed(whole.dt, whole.q))[2] == ()
+    cut = int(share * len(whole.q))
+    log = trimmed(whole.dt, whole.q[:-cut] if end == "ends" else whole.q[cut:])
+    doubts = fit_log(moves, MACHINE, log, figures_of({}, "", "lookahead")).doubts
+    told = [float(each.split()[2]) for each in doubts if each.startswith("X ends") and "is the log cut" in each]
+    missing = abs((log.q[-1, 0] - log.q[0, 0]) - 0.034)
+    assert told == [pytest.approx(1e3 * missing, abs=0.01)]
+    assert noise or doubts[0] == f"the axes are in motion where the log {end}: rows are missing there"
+
+
+def test_a_log_that_comes_back_to_its_end_lacks_way():
+    """The last corner is missing, with rest before and after it."""
+    text = "G21 G90 G94 G61.1\nG0 X0 Y0 Z0 A0 C0\nG1 X40 F4800\nX0\nX40\nX38\nM2\n"
+    moves = read_commanded(Source.from_text(text, "part.ngc"), MACHINE)
+    log = log_of_lines([(0, 0.04), (0, -0.04), (0, 0.038)], 0.08, [A] * 5, [J] * 5, 1e-3)
+    doubts = progress(moves, MACHINE, log)[2]
+    (doubt,) = doubts
+    assert doubt == "the axes go 0.967 times as far in the log as in the program: wide roundings, or are rows missing?"
+
+
 @pytest.mark.parametrize(("seed", "dt", "noise"), [(1, 2e-3, 1e-7), (7, 2e-3, 1e-7), (1, 1e-3, 1e-6), (7, 1e-3, 1e-8)])
 def test_a_log_with_limited_jerk_tells_figures_within_their_stated_ends(seed: int, dt: float, noise: float):
     """The motion is of closed forms; with the noise of an encoder."""
@@ -247,6 +274,17 @@ def test_stated_ends_hold_95_of_100_controls():
         assert jerk.name == "jerk"
         held += jerk.least <= math.exp(j) <= jerk.most
     assert held >= 95
+
+
+def test_a_total_below_its_operations_counts_once():
+    moves = lines([(k % 3, 0.0015 * (-1) ** k) for k in range(6)])
+    figures = figures_of({}, "", "lookahead")
+    times = [part.time for part in time_of_moves(moves, MACHINE, figures).parts]
+    written = [WrittenTime(f"T{k + 1}", 1.1 * time, 0.01) for k, time in enumerate(times)]
+    alone = fit_times(moves, MACHINE, written, figures)
+    assert fit_times(moves, MACHINE, [*written, WrittenTime("", 1.1 * sum(times), 0.01)], figures) == alone
+    with pytest.raises(UsageError, match=r"the total is 5\.00 s, and the operations take .* together; leave out"):
+        fit_times(moves, MACHINE, [*written, WrittenTime("", 5.0, 0.01)], figures)
 
 
 def test_an_operation_is_written_as_often_as_it_is_there():

@@ -21,12 +21,20 @@ def test_linuxcnc_keeps_no_jerk_in_ramps():
     assert set(found) == {("jerk", "X"), ("jerk", "Z")}
     worst = found["jerk", "X"]
     assert worst.ratio == pytest.approx(A / 1e-3 / J) and worst.where == "ramp" and worst.count == 1
-    assert str(worst) == "jerk of X up to 50 times its limit in the ramps of 1 block, worst at line 3"
+    assert str(worst) == "jerk of X up to 50 times its limit in the ramps of at most 1 block, worst at line 3"
 
 
 def test_the_cycle_of_linuxcnc_is_that_of_its_figures():
     found = exceeded("G1 X50 F6000\n", "linuxcnc", linuxcnc={"cycle": 0.002})
     assert found["jerk", "X"].ratio == pytest.approx(A / 2e-3 / J)
+
+
+def test_a_block_that_keeps_one_speed_below_its_feed_has_no_ramp():
+    """Eight quarters of a circle of 10 mm, as fast as acceleration allows: the first and the last are ramps."""
+    places = [(10, 10, 0, 10), (0, 20, -10, 0), (-10, 10, 0, -10), (0, 0, 10, 0)] * 2
+    arcs = "".join(f"G3 X{x} Y{y} I{i} J{j} F60000\n" for x, y, i, j in places)
+    found = exceeded(f"G64\n{arcs}", "sinumerik", sinumerik={"brisk": 1.0})
+    assert found["jerk", "X"].count == found["jerk", "Y"].count == 2
 
 
 @pytest.mark.parametrize("model", ["linuxcnc", "lookahead"])

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import toolpace as tp
 from tests.support.timed_programs import A, J, machine
-from toolpace.kernels.controls.path_profile import profile_of_chain
+from toolpace.controls.timing.blocks import profile_along
+from toolpace.kernels.controls.path_profile import profile_of_chain, stoppable_speeds
 from toolpace.kernels.jerk_ramp import ramp_distance, reachable_speed, speed_on_ramp, time_on_ramp
 from toolpace.programs.reading import Source, read_source
 from toolpace.programs.reading.languages import with_controller
@@ -158,3 +159,19 @@ def test_a_hundred_thousand_blocks_take_no_more_than_two_seconds():
     before = time.process_time()
     profile(length, 0.2, corner)
     assert time.process_time() - before < 2.0
+
+
+def test_a_control_that_reads_far_enough_ahead_goes_as_one_that_reads_all():
+    """Whether the look-ahead limits no block is tested for all at once; else each is limited by itself."""
+    rng, limited = np.random.default_rng(0), 0
+    for _ in range(100):
+        count, depth = int(rng.integers(3, 300)), int(rng.integers(1, 60))
+        length, feed = 10.0 ** rng.uniform(-5.0, -1.0, count), 10.0 ** rng.uniform(-3.0, 0.0, count)
+        acceleration, jerk = 10.0 ** rng.uniform(-0.3, 0.7, count), 10.0 ** rng.uniform(0.5, 2.0, count)
+        corner = np.append(10.0 ** rng.uniform(-3.0, 3.0, count - 1), 0.0)
+        least = np.minimum(corner, stoppable_speeds(length, acceleration, jerk, depth))
+        expected, _ = profile_of_chain(length, feed, least, acceleration, jerk)
+        limited += bool(np.any(least < corner))
+        found = profile_along(feed, length, corner, acceleration, jerk, depth)
+        assert found.times == pytest.approx(expected, rel=1e-12)
+    assert 20 < limited < 100

@@ -51,6 +51,36 @@ def test_a_travel_is_read_in_each_format(form, line, tmp_path):
     assert _joint(tmp_path, "A", form, n1320=line).travel == pytest.approx((-math.radians(130), math.radians(130)))
 
 
+def _with_parity(text: str) -> bytes:
+    return bytes(letter | 0x80 if letter.bit_count() % 2 else letter for letter in text.encode())
+
+
+OLD = parameters_text(TRUNNION, "16i")
+TAPES = {
+    "ends of lines of an old Macintosh": OLD.replace("\n", "\r").encode(),
+    "small letters": OLD.lower().encode(),
+    "empty rows at both ends": b"\0" * 40 + OLD.encode() + b"\0" * 40,
+    "ISO code with even parity": _with_parity(OLD),
+    "marks of the reader": b"\x12" + OLD.replace("%", "%\n:0001", 1).encode() + b"\x14",
+}
+
+
+@pytest.mark.parametrize("data", TAPES.values(), ids=TAPES)
+def test_a_file_from_a_tape_is_the_same_machine(data, tmp_path):
+    (tmp_path / "para.txt").write_bytes(data)
+    draft, expected = read_control([tmp_path / "para.txt"]), _read(tmp_path, OLD)
+    assert draft.machine.file.joints == expected.machine.file.joints
+    assert draft.record.remarks == expected.record.remarks
+
+
+def test_lines_that_are_no_parameters_are_told_and_values_without_axis_refused(tmp_path):
+    draft = _read(tmp_path, OLD.replace("N01660", "N09999").replace("N01420A1", "1420 = 15000\nX 99\nN01420A1"))
+    (told,) = (each for each in draft.record.remarks if "no parameter" in each)
+    assert told.startswith("2 lines that are no parameter") and told.endswith("para.txt:9 '1420 = 15000'.")
+    with pytest.raises(ControlFileError, match="N01420 = 15000 names no axis; write A1 before it"):
+        _joint(tmp_path, "X", "16i", n1420="N01420P15000")
+
+
 def test_blocks_end_as_a_control_ends_them_and_its_number_may_follow_the_first_mark(tmp_path):
     """LF CR CR counts as one end of a line; axes of which the letter is 0 are not there."""
     text = parameters_text(TRUNNION, changes={1020: "N01020Q1A1P88A2P89A3P90A4P65A5P67A6P0 "}).replace("\n", "\n\r\r")

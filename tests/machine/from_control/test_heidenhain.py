@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.heidenhain_files import objects_text, parameters_text, table_text
+from tests.support.heidenhain_files import objects_text, parameters_text, table_text, vectors_text
 from tests.support.read_back import assert_comes_back
 from toolpace.common.errors import ToolpaceError, UnitWarning
 from toolpace.machine.from_control import MachineDraft, read_control
@@ -30,12 +30,16 @@ def _read(tmp_path: Path, *texts: str, answers: Answers | None = None) -> Machin
     return read_control(places, answers)
 
 
-@pytest.mark.parametrize("form", ["iTNC 530", "TNC 640"])
+@pytest.mark.parametrize("form", ["iTNC 530", "TNC 640", "vectors"])
 @pytest.mark.parametrize("name", Machine.names())
 def test_a_built_in_machine_comes_back(name, form, tmp_path):
     machine = Machine.load(name)
-    texts = (parameters_text(machine), table_text(machine)) if form == "iTNC 530" else (objects_text(machine),)
-    draft = _read(tmp_path, *texts)
+    texts = {
+        "iTNC 530": (parameters_text(machine), table_text(machine)),
+        "TNC 640": (objects_text(machine),),
+        "vectors": (vectors_text(machine),),
+    }
+    draft = _read(tmp_path, *texts[form])
     assert not draft.stand_ins
     assert_comes_back(draft.machine, machine, machine.file.chain.spindle_nose)
 
@@ -125,9 +129,46 @@ def test_a_machine_without_kinematics_is_asked_about(tmp_path):
     columns = [expected.joints.index(name) for name in draft.machine.joints]
     assert draft.machine.forward(q[:, columns])[0] == pytest.approx(expected.forward(q)[0], abs=1e-12)
     assert any("MP7510.0 and following" in remark for remark in draft.record.remarks)
-    model = OBJECTS[: OBJECTS.index("CfgKin")] + 'CfgKinModel( key:="K1", axesToolSide:=["X","Y","Z","B"] )'
-    remarks = _read(tmp_path, model).record.remarks
-    assert any("CfgKinModel K1, the kinematics by vectors, is not read" in remark for remark in remarks)
+
+
+def test_the_coordinate_systems_of_the_manuals_example_are_its_axes(tmp_path):
+    """Technical Manual MANUALplus 620, page 752: Z carries X, X carries Y, and C turns the workpiece."""
+    systems = {
+        "CZ": ("0, 0, 1", "1, 0, 0"), "CX": ("1, 0, 0", "0, 1, 0"), "CY": ("1, 0, 0", "0, 1, 0"),
+        "CTOOL": ("1, 0, 0", "0, 1, 0"), "CC": ("0, 0, 1", "1, 0, 0"), "CMT": ("0, 1, 0", "0, 0, 1"),
+    }  # fmt: skip
+    text = "".join(
+        f'CfgTrafoByDir( key:="{key}", location:=[0, 0, 0], zDir:=[{z}], xDir:=[{x}] )\n'
+        for key, (z, x) in systems.items()
+    )
+    text += 'CfgKinModel( key:="K1", axesToolSide:=["Z","X","Y"], trafoToolSide:=["CZ","CX","CY"], '
+    text += 'toolCoordSys:="CTOOL", axesWpSide:=["C"], trafoWpSide:=["CC"], machineTableSys:="CMT" )\n'
+    axes = "".join(f'CfgFeedLimits( key:="P{name}1", rapidFeed:=9000 )\n' for name in "XYZC")
+    record = _read(tmp_path, axes + text).record
+    assert {name: record.joints[name]["direction"].value for name in "XYZC"} == {
+        "X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0), "C": (0.0, 0.0, -1.0),
+    }  # fmt: skip
+    assert record.chain["tool"].value[:3] == ("Z", "X", "Y") and record.chain["tool_axis"].value == (0.0, 0.0, 1.0)
+
+
+VECTORS = vectors_text(MIXED)
+WRONG_VECTORS = {
+    "a system that is not there": (('["T_Wp_C"]', '["T_Wp_Q"]'), "names T_Wp_Q, which is not there"),
+    "fewer systems than axes": (('["T_Tool_X", ', "["), "axesToolSide names . axes, and trafoToolSide has . systems"),
+    "no direction": (("zDir:=[", "zDir:=[0.0, 0.0, 0.0], oldDir:=["), "zDir = .* is no direction"),
+    "two numbers": (("location:=[", "location:=[1.0, 2.0], place:=["), "location = .* has 2 numbers; it has 3"),
+    "directions along each other": (("xDir:=[", "xDir:=[1.0, 1e-9, 0.0], oldDir:=["), "is not across"),
+    "one direction": (("xDir:=[", "oldDir:=["), "needs both zDir and xDir"),
+    "angles": (("zDir:=[", "angle1:=30.0, zDir:=["), "turns by angles, whose order is not known"),
+}
+
+
+@pytest.mark.parametrize(("change", "message"), WRONG_VECTORS.values(), ids=WRONG_VECTORS)
+def test_a_model_of_vectors_that_cannot_be_meant_is_refused(change, message, tmp_path):
+    text = VECTORS.replace(*change, 1)
+    assert text != VECTORS
+    with pytest.raises(ControlFileError, match=message):
+        _read(tmp_path, text)
 
 
 def test_jerk_is_the_axis_own_or_the_paths_or_the_guide_value(tmp_path):
@@ -212,7 +253,8 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
     outcomes = {"read": 0, "refused": 0}
     places = [tmp_path / "a.txt", tmp_path / "b.txt"]
     for turn in range(100):
-        texts = [bytearray(text.encode()) for text in ((PARAMETERS, TABLE) if turn % 2 else (OBJECTS,))]
+        forms = ((OBJECTS,), (PARAMETERS, TABLE), (VECTORS,))
+        texts = [bytearray(text.encode()) for text in forms[turn % 3]]
         for _ in range(chance.randrange(1, 4)):
             text = chance.choice(texts)
             start = chance.randrange(len(text) + 1)
@@ -229,6 +271,31 @@ def test_changed_files_are_read_or_refused_in_one_line(seed, tmp_path):
             assert "\n" not in str(error) and len(str(error)) < 500
             outcomes["refused"] += 1
     assert min(outcomes.values()) > 10
+
+
+@pytest.mark.parametrize("value", ["39.6 m/min", "39 600 ; rapid", "39,600 39,600"])
+def test_a_figure_with_something_behind_it_is_refused(value, tmp_path):
+    with pytest.raises(ControlFileError, match=r"MP1010.0 = 39\S* has '.*' behind it; give the number alone"):
+        _read(tmp_path, parameters_text(MIXED, {"MP1010.0": value}), TABLE)
+
+
+@pytest.mark.parametrize("comment", ["; mm/min", "(rapid)", "# rapid", "// rapid", "-- rapid", ""])
+def test_a_comment_may_stand_behind_a_figure(comment, tmp_path):
+    text = parameters_text(MIXED).replace("; comment", comment)
+    assert _read(tmp_path, text, TABLE).machine.file.joints == _read(tmp_path, PARAMETERS, TABLE).machine.file.joints
+
+
+@pytest.mark.parametrize("line", ["MP101O.0 : 39600", "MP1010.0 :", "MP1010.0 39600"])
+def test_a_parameter_without_a_value_is_told(line, tmp_path):
+    draft = _read(tmp_path, parameters_text(MIXED, {"MP1010.0": None}) + line + "\n", TABLE)
+    assert [each.what for each in draft.stand_ins] == ["velocity of X [mm/s]"]
+    (told,) = (each for each in draft.record.remarks if "have no value" in each)
+    assert told.endswith(f"'{line}'.")
+
+
+def test_attributes_may_be_in_small_letters(tmp_path):
+    small = OBJECTS.replace("rapidFeed", "rapidfeed")
+    assert _read(tmp_path, small).machine.file.joints == _read(tmp_path, OBJECTS).machine.file.joints
 
 
 def test_a_row_of_kinematics_without_its_number_is_refused(tmp_path):

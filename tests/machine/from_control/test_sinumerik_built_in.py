@@ -12,7 +12,11 @@ from toolpace.machine.machine import Machine
 
 TABLES_THAT_TURN_SLIDES = {"paper-ab"}
 """The part's slides stand on its turning axis: no transformation of the control has that."""
-FORMS = ("directions", "letters", "letters and swivel data", "swivel data", "swivel data by type 72", "both")
+FORMS = (
+    "directions", "letters", "letters and swivel data", "swivel data", "swivel data by type 72", "both", "elements",
+)  # fmt: skip
+WORLD = np.array([0.013, -0.021, 0.034])
+"""A point from which kinematic chains are measured [m]."""
 
 
 def _archive(name: str) -> Archive:
@@ -31,6 +35,8 @@ def _lines(archive: Archive, form: str) -> list[str]:
         return archive.carrier(1)
     if form == "swivel data by type 72":
         return ["$MC_TRAFO_TYPE_1=72", "$MC_TRAFO5_TCARR_NO_1=2", *archive.carrier(2)]
+    if form == "elements":
+        return archive.elements(WORLD)
     # TRAFO5 data count five-axis transformations: the second TRAFO_TYPE has those of the first
     lines = ["$MC_TRAFO_TYPE_1=512", *archive.transformation(2, 1, GENERIC[archive.kind])]
     return lines + (archive.carrier(1) if form == "both" else [])
@@ -62,7 +68,7 @@ def test_what_is_not_tried_cannot_be_told():
     inclined_or_b_about_z = {"xyzbc-nutating", "xyzbc-nutating-large", "xyzab-trunnion-inch"}
     for form in ("letters", "letters and swivel data"):
         assert set(Machine.names()) - tried[form] == TABLES_THAT_TURN_SLIDES | inclined_or_b_about_z
-    for form in ("directions", "swivel data", "swivel data by type 72", "both"):
+    for form in ("directions", "swivel data", "swivel data by type 72", "both", "elements"):
         assert set(Machine.names()) - tried[form] == TABLES_THAT_TURN_SLIDES
 
 

@@ -42,11 +42,37 @@ def _asked(draft):
         "  n32000  $ma_max_ax_velo[ 0 , ax4 ] = 'H2EE0'",
         "N32000 $MA_MAX_AX_VELO[X]=12000.000",
         "$MA_MAX_AX_VELO[AX4,0]=1.2e4$MN_OTHER=1",
+        "$MA_MAX_AX_VELO[AX4]=12000 mm/min",
+        "$MA_MAX_AX_VELO[AX4]=12000 'ff N32010 $MA_OTHER[AX4]=1",
+        "$MA_MAX_AX_VELO[AX4]=12000 (rapid)",
     ],
 )
 def test_a_datum_is_read_however_it_is_written(line, tmp_path):
     lines = [each for each in LINES if "VELO[AX4]" not in each]
     assert _joint(_read(tmp_path, [*lines, line]), "X").velocity == pytest.approx(0.2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "line", ["N32000 $MA_MAX_AX_VELO AX4=12000", "$MA_MAX_AX_VELO(AX4)=12000", "$MA_MAX_AX_VELO[AX4=1"]
+)
+def test_a_line_that_assigns_nothing_is_told(line, tmp_path):
+    draft = _read(tmp_path, [*(each for each in LINES if "VELO[AX4]" not in each), line])
+    assert _asked(draft) == ["velocity of X [mm/s]"]
+    (told,) = (each for each in draft.record.remarks if "assign nothing" in each)
+    assert told.startswith("Lines that name machine data and assign nothing: 1, ") and line in told
+
+
+@pytest.mark.parametrize("value", ["12 m/min", "200 mm/s", "12 000", "12000 12000"])
+def test_a_figure_with_something_behind_it_is_refused(value, tmp_path):
+    lines = [*(each for each in LINES if "VELO[AX4]" not in each), f"$MA_MAX_AX_VELO[AX4]={value}"]
+    with pytest.raises(ControlFileError, match=r"= \d+ has '.*' behind it; give the number alone"):
+        _read(tmp_path, lines)
+
+
+@pytest.mark.parametrize("off", ["#", "//", ";"])
+def test_lines_that_are_switched_off_do_not_count(off, tmp_path):
+    draft = _read(tmp_path, [each.replace("N32000", f"{off} N32000") for each in LINES])
+    assert "velocity of X [mm/s]" in _asked(draft) and not draft.record.remarks
 
 
 def test_each_figure_says_its_file_and_line(tmp_path):

@@ -6,6 +6,7 @@ import random
 import time
 import warnings
 
+import numpy as np
 import pytest
 
 from tests.support.sinumerik_archive import Archive, changed
@@ -23,6 +24,7 @@ ARCHIVES = {
     "head": [*HEAD.axes(), *HEAD.transformation(1, 1, 24)],
     "swivel head": [*HEAD.axes(), *HEAD.carrier(1)],
     "mixed": [*MIXED.axes(), *MIXED.carrier(1)],
+    "elements": [*MIXED.axes(), *MIXED.elements(np.zeros(3))],
 }
 CONTRADICTIONS = {
     "a table with a head's vector": ("table", {"$MC_TRAFO5_JOINT_OFFSET_PART_1[1]": "2"}, "TYPE_1", "in the table"),

@@ -221,7 +221,9 @@ def run_fit(programs: list[str], measured: str, request: TimeRequest, write: str
     with steps.step("fitting"):
         fitted = fit_measured(measured, moves, request.machine, figures, options.setup.tool_change)
     _say(steps, fitted)
-    text = controller_text(found.controller, fitted.figures, target.stem if target is not None else "")
+    # whoever takes the file later has not seen what was printed here
+    text = "".join(f"# in doubt: {printable(each)}\n" for each in fitted.doubts)
+    text += controller_text(found.controller, fitted.figures, target.stem if target is not None else "")
     if target is None:
         console.print(Text(text), soft_wrap=True)
     else:
@@ -235,6 +237,8 @@ def _say(steps: Steps, found: Fit) -> None:
     steps.say(f"on the way they differ by {format_time(found.misfit)} (root mean square)")
     for each in found.fitted:
         steps.say(str(each))
+    for doubt in found.doubts:
+        steps.say(f"in doubt: {doubt}")
     if not found.fitted:
         steps.say("the measured times tell of no figure more than was known")
     if found.misfit > POOR * found.measured:

@@ -16,19 +16,17 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean, printable
-from toolpace.common.units import DEGREE, MILLIMETRE
+from toolpace.common.units import DEGREE, MILLIMETRE, format_time
 from toolpace.controls.fitting.least_squares import Fit, Fitting, Measured, parameters_of
-from toolpace.controls.fitting.measured import (
+from toolpace.controls.fitting.motion_log import (
     MotionLog,
-    WrittenTime,
     is_log,
     load_log,
-    load_written_times,
     noise_of,
     progress,
     sustained_accelerations,
-    written_time,
 )
+from toolpace.controls.fitting.written_times import WrittenTime, load_written_times, written_time
 from toolpace.controls.timing.figures import ControlFigures
 from toolpace.controls.timing.program_time import PartTime, parts_of
 from toolpace.controls.timing.uncertainty import limits_by_axis
@@ -75,7 +73,7 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
     reached = {name for name, limit in zip(machine.joints, limits) if limit}
     table |= {name: a if name in reached else max(a, before[name]) for name, a in moving.items()}
     start = msgspec.structs.replace(figures, acceleration=table, tolerance=figures.room / MILLIMETRE)
-    far, when = progress(moves, machine, log)
+    far, when, doubts = progress(moves, machine, log)
     ended = np.append(when, log.duration)
     # noise hides where motion begins and ends
     exact = int(max(noise_of(column) for column in log.q.T) < QUIET)
@@ -101,7 +99,8 @@ def fit_log(moves: Commanded, machine: Machine, log: MotionLog, figures: Control
             parameters.append(replace(kept, least=min(shown, 0.0)))
         elif not axis or axis in moving:
             parameters.append(each)
-    return Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
+    fit = Fitting(moves, machine, start, measured, parameters, before).result(LOGGED[start.model][0])
+    return replace(fit, doubts=doubts)
 
 
 def fit_times(
@@ -119,6 +118,7 @@ def fit_times(
     parts = parts_of(moves, np.zeros(len(moves)), tool_change)
     waits = np.array([part.time for part in parts])
     rows = [_rows(each.operation, parts, written[:k]) for k, each in enumerate(written)]
+    written, rows = _without_total(written, rows)
     chosen = np.array(rows, dtype=float)
 
     def of_moves(times: Floats) -> Floats:
@@ -148,6 +148,26 @@ def fit_measured(
 def _refuse_still(moves: Commanded) -> None:
     if len(moves) < 2:
         raise UsageError(f"{moves.source}: nothing moves in the program: no figure of a control follows from it")
+
+
+def _without_total(
+    written: Sequence[WrittenTime], rows: Sequence[list[bool]]
+) -> tuple[list[WrittenTime], list[list[bool]]]:
+    """The times without a total that is the sum of all others: it would count the same times twice.
+
+    Raises UsageError where it is the sum of other times.
+    """
+    total = next((each for each in written if not each.operation), None)
+    others = [(each, row) for each, row in zip(written, rows) if each.operation]
+    if total is None or not others or not all(sum(column) == 1 for column in zip(*(row for _, row in others))):
+        return list(written), list(rows)
+    spent, rounding = sum(each.seconds for each, _ in others), sum(each.resolution for each in written)
+    if abs(spent - total.seconds) > rounding:
+        raise UsageError(
+            f"--fit: the total is {format_time(total.seconds)}, and the operations take {format_time(spent)} together; "
+            "leave out what is not measured of the moves alone"
+        )
+    return [each for each, _ in others], [row for _, row in others]
 
 
 def _rows(operation: str, parts: Sequence[PartTime], before: Sequence[WrittenTime]) -> list[bool]:

@@ -86,6 +86,8 @@ class Fit:
     """The same of the model with these figures [s]."""
     misfit: float
     """Root mean square of the differences, along a log or of the operations [s]."""
+    doubts: tuple[str, ...] = ()
+    """What tells that the measurement is not of the whole program, a sentence each."""
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 MOST_SPEED, MOST_ACCELERATION, MOST_JERK = 1e6, 1e9, 1e15
 """Of what no axis limits [m/s], [m/s^2], [m/s^3]."""
+ROUNDING = 1e-9
+"""Share of a length that is rounding."""
 FEED = MILLIMETRE / 60.0
 """A feed of 1 mm/min [m/s]."""
 
@@ -100,10 +102,24 @@ def profile_along(
     ends[-1] = 0.0
     ways, most = length[rows], np.minimum(acceleration[rows], MOST_ACCELERATION)
     sharpest = np.minimum(jerk[rows], MOST_JERK)
-    if look_ahead:
+    if look_ahead and not _can_always_stop(np.minimum(ends, feed[rows]), ways, most, sharpest, look_ahead):
         ends = np.minimum(ends, stoppable_speeds(ways, most, sharpest, look_ahead))
     times[rows], speeds[rows] = profile_of_chain(ways, np.minimum(feed[rows], MOST_SPEED), ends, most, sharpest)
     return MotionProfile(times, speeds, acceleration, jerk)
+
+
+def _can_always_stop(speed: Floats, length: Floats, acceleration: Floats, jerk: Floats, look_ahead: int) -> bool:
+    """Whether a ramp to rest from each speed (n,) fits into the next blocks, with the least limits of all of them.
+
+    That is sooner said than the speed that just fits, which takes n times `look_ahead` steps.
+    """
+    covered = np.cumsum(length)
+    ahead = covered[look_ahead:] - covered[:-look_ahead]
+    slowest, softest, fast = acceleration.min(), jerk.min(), speed[: len(ahead)]
+    spent = np.where(
+        fast * softest >= slowest**2, fast / slowest + slowest / softest, 2.0 * np.sqrt(fast / softest)
+    )
+    return bool(np.all(0.5 * fast * spent < ahead * (1.0 - ROUNDING)))
 
 
 Driven = Callable[[AxisWays, Floats], MotionProfile]

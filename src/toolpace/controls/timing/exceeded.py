@@ -5,8 +5,10 @@
   velocity within T takes an acceleration of at least D / T and a jerk of at least 4 D / T^2; one of acceleration takes
   its T-th part.
 * Ramps: LinuxCNC (planner 0) and a Sinumerik with BRISK keep no jerk: the acceleration a of an axis begins within a
-  cycle, with a jerk of at least a / T. Factors for rapids, and figures of the controller's file, may be above the
-  machine's limits.
+  cycle, with a jerk of a / T. Factors for rapids, and figures of the controller's file, may be above the machine's
+  limits. Each block that takes longer than its speed asks for, and does not keep one speed, counts with the full
+  acceleration, which a short ramp does not reach; the speeds of LinuxCNC's blocks are not known. So size and number are
+  the most that there may be.
 * Blocks: LinuxCNC, and a control with `limits = "words"`, keeps the limits of X, Y, Z and the rotary words where these
   are the tip. What joints then do is told from the mean speed of each block: they do at least that.
 """
@@ -44,7 +46,7 @@ class ExceededLimit:
     """velocity, acceleration, jerk"""
     axis: str
     ratio: float
-    """Of the largest over the limit."""
+    """Of the largest over the limit; at least that in corners and blocks, at most that in ramps."""
     where: str
     """corner: between blocks; ramp: wherever the speed of a block rises or falls; block: at the speed of a block."""
     count: int
@@ -54,7 +56,9 @@ class ExceededLimit:
 
     def __str__(self) -> str:
         noun = "corner" if self.where == "corner" else "block"
-        places = f"{'in the ramps of' if self.where == 'ramp' else 'in'} {self.count} {noun}{'s' * (self.count != 1)}"
+        places = f"in {self.count} {noun}{'s' * (self.count != 1)}"
+        if self.where == "ramp":
+            places = f"in the ramps of at most {self.count} {noun}{'s' * (self.count != 1)}"
         return f"{self.kind} of {self.axis} up to {_times(self.ratio)} its limit {places}, worst at line {self.line}"
 
 
@@ -116,7 +120,7 @@ def _in_ramps(
     counted, read = (figures.linuxcnc.cycle, 0.0) if figures.model == "linuxcnc" else (0.0, figures.block_time)
     least = np.maximum(np.maximum(least, moves.time), np.where(moves.rapid, 0.0, read))
     slower = profile.times > least * (1.0 + SLACK) + counted
-    ramps = (slower & (ways.length > 0.0))[:, None] * ways.most
+    ramps = (slower & (ways.length > 0.0) & ~_is_steady(profile, ways.length))[:, None] * ways.most
     acceleration = np.minimum(profile.acceleration, MOST_ACCELERATION)[:, None] * ramps
     cycle = {"sinumerik": figures.sinumerik.cycle, "linuxcnc": figures.linuxcnc.cycle}.get(figures.model, CYCLE)
     with np.errstate(invalid="ignore"):
@@ -126,6 +130,15 @@ def _in_ramps(
         *_exceeded("acceleration", "ramp", acceleration / own.acceleration, machine, moves),
         *_exceeded("jerk", "ramp", jerk / own.jerk, machine, moves),
     ]
+
+
+def _is_steady(profile: MotionProfile, length: Floats) -> Bools:
+    """(n,) whether a block keeps one speed from its beginning to its end; no block of a model without speeds does."""
+    steady, rows = np.zeros(len(length), dtype=bool), np.flatnonzero(length > 0.0)
+    end, mean = profile.corner[rows], length[rows] / np.maximum(profile.times[rows], np.finfo(float).tiny)
+    begin = np.append(0.0, end[:-1])
+    steady[rows] = np.maximum(np.abs(end - mean), np.abs(begin - mean)) <= SLACK * mean
+    return steady
 
 
 def _in_blocks(

@@ -75,6 +75,8 @@ def load(path: Path, shown: str = "") -> ControlFile:
         raise ControlFileError(f"has more than {LARGEST // 10**6} MB; give the control's files alone", file=name)
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         data = data.decode("utf-16", errors="replace").encode()
+    # a tape begins and ends with empty rows
+    data = data.strip(b"\0")
     if b"\0" in data:
         raise ControlFileError("is not text; save it as text on the control (an archive in ASCII)", file=name)
     if data.count(b"\n") > MOST_LINES:
@@ -82,5 +84,12 @@ def load(path: Path, shown: str = "") -> ControlFile:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        text = data.decode("latin-1")
+        text = (_without_parity(data) or data).decode("latin-1")
     return ControlFile(name, text, path.parent)
+
+
+def _without_parity(data: bytes) -> bytes:
+    """Letters of a tape in ISO code, whose eighth bit makes the number of bits even; empty where that is not so."""
+    if any(letter.bit_count() % 2 for letter in set(data)):
+        return b""
+    return bytes(letter & 0x7F for letter in data)

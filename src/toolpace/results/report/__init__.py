@@ -37,7 +37,7 @@ def report(
     """Write the report of a trajectory, sampled every `dt` [s], as one HTML file, whole or not at all.
 
     With the tool path its feeds are shown beside the tip's speed; with a verification, its verdict. The file
-    holds all it needs (5 MB of it are plotly.js) and at most 40 000 points of each curve: of a longer
+    holds all it needs (half a MB of it is three.js) and at most 40 000 points of each curve: of a longer
     motion, the least and the largest value of each stretch, so that no peak is lost.
     """
     from toolpace.programs.toolpath import check_toolpath
@@ -59,11 +59,12 @@ def write_report(
     verification: Verification | None = None,
     figures: PlanFigures | None = None,
     curves: Curves | None = None,
+    program: bytes | None = None,
 ) -> None:
     """Write the report from set-points that were sampled already; `figures` are those of plan.json, where there is
-    one, `curves` those of the set-points, where they have been gathered."""
+    one, `curves` those of the set-points, where they have been gathered, and `program` is what its file holds."""
     from toolpace.results.report.page import report_page
 
     with whole_file(path) as temporary:
-        page = report_page(trajectory, setpoints, toolpath, verification, figures, curves)
+        page = report_page(trajectory, setpoints, toolpath, verification, figures, curves, program)
         temporary.write_text(page, encoding="utf-8")

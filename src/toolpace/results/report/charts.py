@@ -1,8 +1,7 @@
-"""Data of the report's charts: curves over time with their peaks kept, the limit that binds, the tip's way in space."""
+"""Data of the report's charts: curves over time with their peaks kept, and the limit that binds."""
 
 from __future__ import annotations
 
-import base64
 import threading
 from dataclasses import dataclass, replace
 
@@ -18,22 +17,14 @@ from toolpace.programs.toolpath import ToolPath
 
 POINTS = 40_000
 """Points of each channel in the file, and line numbers: twenty for each pixel of a wide screen."""
-_FULL = 32_000
-"""The largest value of a curve as a 16-bit integer, of 32 767: the step between two is below what a screen shows."""
-_MISSING = -32_768
-"""Stands where there is no value."""
 BINDING = 0.99
 """Share of a limit from which it is shown as binding."""
 NOTHING = -1
 """Stands where nothing binds, in place of the number of a limit."""
-STATIONS = 24_000
-"""Points of the tip's way: a browser turns so many in space without a jerk, and chords of them look like the curve."""
 COLUMNS = {"velocity": "qd", "acceleration": "qdd", "jerk": "qddd"}
 """Where the values of a panel are from."""
 SPEED, CAP = "tip speed", "feed in the program"
 """Names of the curves of what the tip does, and of what the program allows."""
-WHISKERS = 500
-"""Tool axes drawn: more would hide the way of the tip."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +43,6 @@ class Channel:
     unit: str = ""
     top: float = 0.0
     """The largest value that a stretch without one at some set-point hides."""
-
-
-def encoded(values: npt.NDArray[np.generic]) -> str:
-    """Raw little-endian bytes as text."""
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
 
 
 def tip_speed(setpoints: SetPoints) -> Floats:
@@ -263,32 +249,6 @@ def extremes(values: Floats, most: int = POINTS) -> Floats:
     return _in_order(low, high, values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])])
 
 
-def packed(channel: Channel) -> dict[str, object]:
-    """A channel for the page: 16-bit integers times a scale; a gap where there is no value."""
-    values = channel.values
-    finite = np.isfinite(values)
-    top = max(float(np.abs(values[finite]).max()), channel.top) if finite.any() else 1.0
-    scale = max(top, 1e-12) / _FULL
-    small = extremes(np.where(finite, values / scale, np.inf))
-    whole = np.where(np.isfinite(small), np.round(np.where(np.isfinite(small), small, 0.0)), _MISSING)
-    return {
-        "name": channel.name,
-        "panel": channel.panel,
-        "joint": channel.joint,
-        "scale": scale,
-        "peak": channel.peak,
-        "unit": channel.unit,
-        "top": top,
-        "data": encoded(whole.astype("<i2")),
-    }
-
-
-def blocks_over_time(setpoints: SetPointSource, most: int = POINTS) -> dict[str, object]:
-    """Line numbers over time, for the texts that a pointer calls up."""
-    at = np.linspace(0, len(setpoints) - 1, min(len(setpoints), most)).astype(np.int64)
-    return {"data": encoded(setpoints.at(at).block.astype("<i4"))}
-
-
 def limit_names(joints: tuple[str, ...]) -> list[str]:
     """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..."""
     return ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in joints)]
@@ -319,44 +279,3 @@ def _feed_share(trajectory: Trajectory, t: Floats) -> Floats:
             local <= law.duration, speed / axis_run.speed_cap(np.clip(s, axis_run.s0, axis_run.s1)), 0.0
         )
     return share
-
-
-def stations(tip_steps: Floats, most: int = STATIONS) -> Ints:
-    """Set-points to draw, where the tip goes so far (n - 1,) between them: as many in equal steps of time as in equal
-    steps of length, so that neither slow corners nor fast moves turn into polygons."""
-    n = len(tip_steps) + 1
-    if n <= most:
-        return np.arange(n)
-    length = np.concatenate(([0.0], np.cumsum(tip_steps)))
-    measure = np.arange(n) / (n - 1) + length / max(float(length[-1]), 1e-30)
-    at = np.searchsorted(measure, np.linspace(0.0, measure[-1], most))
-    found: Ints = np.unique(np.clip(at, 0, n - 1))
-    return found
-
-
-def scene_data(points: SetPoints, speed: Floats, limiting: Ints, cap: Floats | None) -> dict[str, object]:
-    """Data of the picture: tip [mm], speed (k,) [mm/min], what binds (k,), block, and the whiskers, at some set-points
-    (k,) with a cap of the feed (k,)."""
-    tip = points.tip * 1e3
-    # Rapids would take the whole range of colours; it belongs to the cut.
-    cutting = np.isfinite(cap) if cap is not None else np.ones(len(tip), dtype=bool)
-    top = float(speed[cutting].max()) if cutting.any() else float(speed.max())
-    size = float(np.sqrt(((tip.max(axis=0) - tip.min(axis=0)) ** 2).sum()))
-    moved = np.concatenate(([0.0], np.cumsum(np.sqrt(((tip[1:] - tip[:-1]) ** 2).sum(axis=1)))))
-    turned = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(points.axis, axis=0) ** 2).sum(axis=1)))))
-    measure = moved / max(moved[-1], 1e-12) + 0.5 * turned / max(turned[-1], 1e-12)
-    some = np.unique(np.clip(np.searchsorted(measure, np.linspace(0.0, measure[-1], WHISKERS)), 0, len(tip) - 1))
-    whiskers = np.full((len(some), 3, 3), np.nan)
-    whiskers[:, 0] = tip[some]
-    whiskers[:, 1] = tip[some] + points.axis[some] * max(0.07 * size, 1.0)
-    return {
-        "x": encoded(tip[:, 0].astype("<f4")),
-        "y": encoded(tip[:, 1].astype("<f4")),
-        "z": encoded(tip[:, 2].astype("<f4")),
-        "speed": encoded(speed.astype("<f4")),
-        "top": max(top, 1e-9),
-        "limiting": encoded(limiting.astype("<i2")),
-        "block": encoded(points.block.astype("<i4")),
-        "t": encoded(points.t.astype("<f4")),
-        "whiskers": [encoded(whiskers[:, :, k].ravel().astype("<f4")) for k in range(3)],
-    }

@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.machine.limits import KINDS
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
-from toolpace.results.report.charts import (
-    NOTHING,
-    Curves,
-    binding,
-    blocks_over_time,
-    deviations,
-    encoded,
-    limit_names,
-    packed,
-    scene_data,
-    stations,
-)
+from toolpace.results.report.charts import Curves
 from toolpace.results.report.key_figures import PlanFigures, key_figures
+from toolpace.results.report.player_data import player_data
 from toolpace.results.report.shell import whole_page
 from toolpace.results.report.words import (
     BARS,
@@ -52,8 +39,9 @@ if TYPE_CHECKING:
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
-STRIP = 20_000
-"""Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
+SCRIPTS = ("arrays", "motion", "timeline", "way", "scene", "program", "player", "page")
+PLAYER = tuple(f"player/{name}.js" for name in SCRIPTS)
+"""Scripts of the page, in the order in which they stand on each other."""
 
 
 def units_of(machine: Machine | None, joints: Sequence[str]) -> list[str]:
@@ -68,8 +56,10 @@ def report_page(
     verification: Verification | None,
     figures: PlanFigures | None,
     curves: Curves | None = None,
+    program_bytes: bytes | None = None,
 ) -> str:
-    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already."""
+    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already, and
+    `program_bytes` what the file of the program holds, for those who read along."""
     machine = trajectory.axis_path.machine
     units = units_of(machine, setpoints.joints)
     curves = curves or Curves.of(setpoints, trajectory.limits, units, toolpath)
@@ -91,44 +81,10 @@ def report_page(
         "checks": _checks(verification),
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
+        "duration": f"{trajectory.duration:.6g}",
     }
-    data = _data(trajectory, setpoints, curves, palette, figures)
-    return whole_page("toolpace.results.report", "page", title, fields, data)
-
-
-def _data(
-    trajectory: Trajectory,
-    setpoints: SetPointSource,
-    curves: Curves,
-    palette: Mapping[str, str],
-    figures: PlanFigures | None,
-) -> str:
-    """All that the script draws, as JSON that cannot end the element it stands in."""
-    columns = min(STRIP, 4 * len(setpoints))
-    strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
-    shown = curves.extremes()
-    if figures is not None:
-        shown += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
-    data: dict[str, object] = {
-        "end": float(setpoints.t[-1]),
-        "duration": float(trajectory.duration),
-        "joints": list(setpoints.joints),
-        "channels": [packed(channel) for channel in shown],
-        "blocks": blocks_over_time(setpoints),
-        "limits": [limit_words(name) for name in limit_names(setpoints.joints)],
-        "colours": list(palette.values()),
-        "joint_colours": [joint_colour(j) for j in range(len(setpoints.joints))],
-        "strip": encoded(binding(trajectory, strip_times).astype("<i2")),
-        "nothing": NOTHING,
-    }
-    if setpoints.has_tool:
-        at = stations(curves.tip_steps)
-        points = setpoints.at(at)
-        cap = curves.caps.at(points.block) if curves.caps is not None else None
-        times = np.asarray(np.minimum(points.t, trajectory.duration), dtype=np.float64)
-        speed = curves.speed_at(at, setpoints.t) * 60e3
-        data["scene"] = scene_data(points, speed, binding(trajectory, times), cap)
-    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes)
+    return whole_page("toolpace.results.report", "page", title, fields, data, PLAYER)
 
 
 def _verdict(verification: Verification | None) -> str:

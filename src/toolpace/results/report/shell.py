@@ -9,9 +9,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from string import Template
 
 from toolpace.common import __version__
@@ -25,12 +26,15 @@ _SHEET = re.compile(r'getElementById\("([0-9a-f]{64})"\)')
 empty sheet of that name is there already."""
 
 
-def whole_page(room: str, name: str, title: str, fields: Mapping[str, str], data: str | None = None) -> str:
+def whole_page(
+    room: str, name: str, title: str, fields: Mapping[str, str], data: str | None = None, scripts: Sequence[str] = ()
+) -> str:
     """The HTML text of a page whose parts lie in a package: body, script and styles.
 
     room: the package; in it the body `name`.html, with `fields` (HTML) to fill in beside title and version, the script
     `name`.js, and `name`.css if it has styles of its own.
-    data: JSON that the script draws with plotly; None where it draws nothing.
+    data: JSON that the script draws; None where it draws nothing.
+    scripts: files in the package that make up the script, which draws with three.js; none: `name`.js, with plotly.
     """
     here = files(room)
     own = here.joinpath(f"{name}.css")
@@ -39,21 +43,36 @@ def whole_page(room: str, name: str, title: str, fields: Mapping[str, str], data
         title,
         body.substitute(fields, title=escape(title), version=escape(__version__)),
         own.read_text(encoding="utf-8") if own.is_file() else "",
-        here.joinpath(f"{name}.js").read_text(encoding="utf-8"),
+        _joined(here, scripts) if scripts else here.joinpath(f"{name}.js").read_text(encoding="utf-8"),
         data,
+        three_js() if scripts else None,
     )
 
 
-def framed(title: str, body: str, style: str = "", script: str = "", data: str | None = None) -> str:
-    """Any body (HTML) as a page, with the styles of all pages and those of its own, and its policy."""
+def three_js() -> str:
+    """The library of pages that show bodies, as tools/vendor.py built it."""
+    return files("toolpace.results.report").joinpath("vendor/three.min.js").read_text(encoding="utf-8")
+
+
+def _joined(folder: Traversable, names: Sequence[str]) -> str:
+    """Files as one script, whose names nobody else sees."""
+    texts = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
+    return f'(() => {{\n"use strict";\n{texts}\n}})();'
+
+
+def framed(
+    title: str, body: str, style: str = "", script: str = "", data: str | None = None, library: str | None = None
+) -> str:
+    """Any body (HTML) as a page, with the styles of all pages and those of its own, and its policy.
+
+    library: what the script of data stands on; None: plotly.
+    """
     here = files("toolpace.results.report")
     scripts = [script] if script else []
     drawn = ""
     if data is not None:
-        from plotly.offline import get_plotlyjs
-
         drawn = f'<script id="data" type="application/json">{data}</script>\n'
-        scripts.insert(0, get_plotlyjs())
+        scripts.insert(0, _plotly() if library is None else library)
     page = Template(here.joinpath("shell.html").read_text(encoding="utf-8")).substitute(
         title=escape(title),
         css=here.joinpath("shell.css").read_text(encoding="utf-8") + style,
@@ -61,6 +80,12 @@ def framed(title: str, body: str, style: str = "", script: str = "", data: str |
         scripts=drawn + "\n".join(f"<script>\n{each}\n</script>" for each in scripts),
     )
     return with_policy(page)
+
+
+def _plotly() -> str:
+    from plotly.offline import get_plotlyjs
+
+    return str(get_plotlyjs())
 
 
 def cards(figures: Iterable[tuple[str, str, str, str]], between: str = "\n") -> str:

@@ -36,6 +36,10 @@ WHOLE = frozenset({981, 1020, 1022, 1620, 1622, 1672, 1769, 1771, 1772, 1785, 19
                    19689, 19697})  # fmt: skip
 READ = REAL | BITS | WHOLE
 """Numbers of the parameters that are read; all others are passed over."""
+OF_AXES = frozenset({1320, 1321, 1420, 1660})
+"""Those that each axis has for itself."""
+_MARK = re.compile(r"(?:%|[O:]\d+|;|[\x00-\x20])*")
+"""What a tape has beside parameters: its ends, the number of a program, ends of blocks."""
 LEAST = {"A": "0.01", "B": "0.001", "C": "0.0001", "D": "0.00001", "E": "0.000001"}
 """By increment system: the least increment of an old control [mm or deg]; a tenth of it in inches."""
 INCREMENT_BITS = {0: "A", 1: "C", 2: "D", 3: "E"}
@@ -62,6 +66,8 @@ class Parameters:
     """The first value by which the file is of a newer control, with real numbers."""
     cut: list[str] = field(default_factory=list)
     """Files that do not end with %, as punched ones do."""
+    strange: list[Origin] = field(default_factory=list)
+    """Lines that are neither parameters nor marks of a tape."""
     paths: set[int] = field(default_factory=set)
     """Paths of the control that have values here."""
 
@@ -102,6 +108,8 @@ class Parameters:
         """
         value = self.value(number, index)
         if value is None:
+            if index > 0 and number in OF_AXES and (alone := self.values.get((number, 0))) is not None:
+                raise alone.origin.error(f"= {alone.text[:SHOWN]} names no axis; write A1 before it, A2 and so on")
             return None
         figure = _decimal(value)
         inch = self.inch[0] and not rotary
@@ -176,6 +184,8 @@ def _read_line(parameters: Parameters, at: Origin, line: str, number: int) -> in
     elif number and re.match(r"[ALST]\s*\d", line):
         rest = line
     else:
+        if not _MARK.fullmatch(line):
+            parameters.strange.append(Origin(f"'{line[:SHOWN]}'", at.file, at.line))
         return 0
     if number not in READ:
         return number

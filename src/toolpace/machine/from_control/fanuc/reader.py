@@ -38,7 +38,7 @@ TIMES_OF_AXES = {
 
 def recognises(file: ControlFile) -> bool:
     """Whether a text has parameters that are read, as the control punches them."""
-    found = (LINE.match(line) for line in file.lines)
+    found = (LINE.match(line.upper()) for line in file.lines)
     return sum(match is not None and int(match[1]) in READ for match in found) >= LEAST_LINES
 
 
@@ -153,6 +153,10 @@ def _add_remarks(parameters: Parameters, record: MachineRecord, axes: Sequence[A
     """What a person should know who compares the machine with the file."""
     for name in parameters.cut:
         record.remarks.append(f"{name} does not end with %: is it whole?")
+    if parameters.strange:
+        count, first = len(parameters.strange), parameters.strange[0]
+        lines = "1 line that is" if count == 1 else f"{count} lines that are"
+        record.remarks.append(f"{lines} no parameter, passed over: {first}.")
     if parameters.real is None:
         record.remarks.append("Numbers without decimal point are in the least increments of 16i, 18i, 21i and 0i.")
     if len(parameters.paths) > 1:

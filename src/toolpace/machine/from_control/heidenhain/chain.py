@@ -1,134 +1,24 @@
-"""The chain of a machine from a Heidenhain's kinematics: a walk from the tool's reference point to the workpiece.
+"""The chain of a machine from the walk along a Heidenhain's kinematics.
 
-"From this entry onward, movements by the indicated axis change the positions of previously defined axes or objects
-relative to subsequent axes or objects. The start of the sequence is always the tool reference point." (Technical
-Manual iTNC 530 HSCI, page 722, of MachAxis.) So a positive command moves or turns what is before an axis, with the
-tool, by the right-hand rule as what is behind it sees it; an axis that carries the workpiece goes against its letter.
-Trans moves the coordinate system along an axis of its own, or turns it about one.
-
-The TNC 640 has the same walk as objects: CfgKinComposModel names subkinematics, from the tool to the table, and these
-name their objects (Technical Manual MANUALplus 620, pages 735 to 742). How these objects call axis, direction and value
-(axisRef, dir, val) is an assumption.
+A positive command moves or turns what is before an axis, with the tool, by the right-hand rule as what is behind it
+sees it; an axis that carries the workpiece goes against its letter.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.machine.from_control.control_file import ControlFileError
-from toolpace.machine.from_control.heidenhain.texts import KEYS, ConfigurationObject, Texts
+from toolpace.machine.from_control.heidenhain.walk import LINEAR, TURNING, Step
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin
-from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import with_held_axes
 
-LINEAR, TURNING = "XYZ", "ABC"
-PASSED_OVER = ("toolfile", "cmo")
-"""Keys of rows that move no axis: a tool carrier of the tool table, bodies for collisions."""
 ROUNDING = 15
 """Decimals that are kept of directions and points [mm]: turns by right angles leave crumbs."""
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step of the walk."""
-
-    kind: str
-    """"trans", "machaxis", "machbase" or "toolaxis"."""
-    axis: str
-    origin: Origin
-    value: Figure | None = None
-    """Of a transformation [mm or deg]."""
-    sense: float = 1.0
-    """-1 for an axis that counts against its letter."""
-
-
-def steps_of(texts: Texts, answers: Answers) -> list[Step]:
-    """The walk from the tool to the workpiece; empty without kinematics. Raises ControlFileError."""
-    models = [each for each in texts.objects if "subKinList" in each.attributes]
-    if texts.rows and models:
-        raise models[0].origin.error(f"is a kinematic model beside the table {texts.table}; give one of both")
-    if texts.rows or texts.table:
-        return _of_table(texts)
-    return _of_model(texts, _chosen(models, answers)) if models else []
-
-
-def _of_table(texts: Texts) -> list[Step]:
-    inches = 25.4 if texts.inch_table is not None else 1.0
-    steps = []
-    for row in texts.rows:
-        if row.key in PASSED_OVER:
-            continue
-        if row.key in ("subfile1", "subfile2"):
-            raise row.origin.error("stands for a partial kinematics table; copy its lines to this place")
-        value = None
-        if row.key == "trans":
-            if row.coordinate is None:
-                raise row.origin.error("has no COORD; correct the line")
-            figure = row.coordinate.figure()
-            value = Figure(figure.number * (inches if row.axis in LINEAR else 1.0), figure.origins)
-        elif row.key not in KEYS:
-            raise row.origin.error("is no key that is read: Trans, MachAxis, MachBase, ToolAxis; correct it")
-        steps.append(Step(row.key, row.axis, row.origin, value))
-    return steps
-
-
-def _chosen(models: Sequence[ConfigurationObject], answers: Answers) -> ConfigurationObject:
-    """The kinematic model in force, asked for where there are several."""
-    if len(models) == 1:
-        return models[0]
-    keys = [each.key for each in models]
-    question = Question(f"kinematic model ({', '.join(keys)})"[:300], keys[0], "the first of the file")
-    answer = answers.choice(question, keys)
-    return next(each for each in models if each.key == answer.value)
-
-
-def _of_model(texts: Texts, model: ConfigurationObject) -> list[Step]:
-    by_key: dict[str, list[ConfigurationObject]] = {}
-    for each in texts.objects:
-        by_key.setdefault(each.key, []).append(each)
-    steps = []
-    for name in model.attributes["subKinList"].elements():
-        part = next((each for each in by_key.get(name, ()) if "kinObjects" in each.attributes), None)
-        if part is None:
-            origin = model.attributes["subKinList"].origin
-            raise origin.error(f"names {name[:40]}, which is not there; give its file too")
-        listed = part.attributes["kinObjects"]
-        for key in listed.elements():
-            found = [each for each in by_key.get(key, ()) if each.kind.startswith("CfgKin") and each is not part]
-            if not found:
-                raise listed.origin.error(f"names {key[:40]}, which is not there; give its file too")
-            steps.append(_of_object(found[0]))
-    return steps
-
-
-def _of_object(each: ConfigurationObject) -> Step:
-    """A step from an object of a subkinematics."""
-    attributes = each.attributes
-    direction = attributes["dir"].text.upper() if "dir" in attributes else ""
-    sense = -1.0 if direction.startswith("-") else 1.0
-    axis = direction.lstrip("+-")
-    if "axisRef" in attributes:
-        return Step("machaxis", axis or axis_letter(attributes["axisRef"].text), each.origin, sense=sense)
-    if "val" in attributes:
-        figure = attributes["val"].figure()
-        return Step("trans", axis, each.origin, Figure(sense * figure.number, figure.origins))
-    if "base" in each.key.lower() or "anchor" in each.kind.lower():
-        return Step("machbase", "", each.origin)
-    raise each.origin.error("has neither axisRef nor val, and is no fixed base: what it does is not known")
-
-
-def axis_letter(key: str) -> str:
-    """The letter of an axis by the key of its objects, as X, X1, PX or AX_X; empty where none stands by itself."""
-    for position, letter in enumerate(key.upper()):
-        before, after = key.upper()[:position], key.upper()[position + 1 : position + 2]
-        if letter in LINEAR + TURNING + "UVW" and not after.isalpha() and (not before[-1:].isalpha() or before == "P"):
-            return letter
-    return ""
 
 
 def place_by_steps(steps: Sequence[Step], record: MachineRecord) -> None:

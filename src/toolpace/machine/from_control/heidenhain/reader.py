@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from toolpace.machine.from_control.control_file import ControlFile, ControlFileError, machine_name
-from toolpace.machine.from_control.heidenhain.chain import TURNING, axis_letter, place_by_steps, steps_of
+from toolpace.machine.from_control.heidenhain.chain import place_by_steps
 from toolpace.machine.from_control.heidenhain.texts import Entry, Texts, kind_of, read_texts
+from toolpace.machine.from_control.heidenhain.walk import TURNING, axis_letter, steps_of
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, lowest, travel
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, Unplaced, place_axes
@@ -233,8 +234,10 @@ def _add_remarks(texts: Texts, record: MachineRecord, letters: dict[str, int], p
         record.remarks.append("MP100 names axis 1 by its last letter (assumption).")
     if any("subKinList" in each.attributes for each in texts.objects):
         record.remarks.append("axisRef, dir, val of kinematic objects are axis, direction and value (assumption).")
-    if not placed and (vectors := next((each for each in texts.objects if each.kind == "CfgKinModel"), None)):
-        record.remarks.append(f"{vectors.origin}, the kinematics by vectors, is not read: it may tell what is asked.")
+    if texts.strange:
+        record.remarks.append(
+            f"Lines that begin as a parameter and have no value: {len(texts.strange)}, the first is {texts.strange[0]}."
+        )
     if texts.inch_table is not None:
         record.remarks.append(f"{texts.inch_table}: lengths of the kinematics table are inches.")
     if not texts.table_ends:

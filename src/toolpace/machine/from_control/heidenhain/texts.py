@@ -24,10 +24,16 @@ MOST_OBJECTS = 20_000
 ATTRIBUTES = frozenset({
     "key", "rapidFeed", "maxAcceleration", "axPathJerk", "axPathJerkHi", "swLimitSwitchPos", "swLimitSwitchNeg",
     "isModulo", "maxPathJerk", "maxPathJerkHi", "maxG1Feed", "minPathFeed", "minCornerFeed", "subKinList", "kinObjects",
-    "dir", "val", "axisRef",
+    "dir", "val", "axisRef", "axesToolSide", "trafoToolSide", "toolCoordSys", "axesWpSide", "trafoWpSide",
+    "machineTableSys", "location", "zDir", "xDir", "angle1", "angle2", "angle3",
 })  # fmt: skip
 """Attributes of configuration objects that are read; all others are passed over."""
-PARAMETER = re.compile(r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)", re.IGNORECASE)
+_ATTRIBUTE_NAMES = {name.lower(): name for name in ATTRIBUTES}
+PARAMETER = re.compile(
+    r"\s*MP\s*_?(\d{1,5})(?:\.(\d{1,2}))?\s*[:=]\s*([^;\s]+)\s*((?:(?!//|--)[^;(#*])*)", re.IGNORECASE
+)
+NEARLY = re.compile(r"\s*MP\s*_?\d", re.IGNORECASE)
+"""The beginning of what should be a parameter."""
 TABLE_HEADING = re.compile(r"\s*NR\s+(?:\S+\s+)*?KEY\s+AXIS\s+COORD\b", re.IGNORECASE)
 KEYS = frozenset({"trans", "machaxis", "machbase", "toolaxis"})
 """Of rows of a kinematics table that are read, in lower case."""
@@ -45,9 +51,16 @@ class Entry:
 
     text: str
     origin: Origin
+    behind: str = ""
+    """What stands between the value and a comment."""
 
     def figure(self) -> Figure:
-        """Its number. Raises ControlFileError where it is none."""
+        """Its number. Raises ControlFileError where it is none, or not all that there is."""
+        if self.behind:
+            raise self.origin.error(
+                f"= {self.text[:SHOWN]} has '{self.behind[:SHOWN]}' behind it; give the number alone, in the control's "
+                "unit"
+            )
         value = float(self.text.replace(",", ".")) if _NUMBER.fullmatch(self.text) else math.nan
         if not math.isfinite(value):
             raise self.origin.no_number(self.text)
@@ -98,6 +111,8 @@ class Texts:
     """Name of the file with the kinematics table."""
     inch_table: Origin | None = None
     """Where the table says that its lengths are inches."""
+    strange: list[Origin] = field(default_factory=list)
+    """Lines that begin as a parameter does and have no value."""
     table_ends: bool = True
     """Whether the table ends with [END]."""
 
@@ -139,12 +154,14 @@ def _read_parameters(texts: Texts, file: ControlFile) -> None:
     for number, line in enumerate(file.lines, 1):
         if match := PARAMETER.match(line):
             index = f".{match[2]}" if match[2] is not None else ""
-            entry = Entry(match[3], Origin(f"MP{match[1]}{index}", file.name, number))
+            entry = Entry(match[3], Origin(f"MP{match[1]}{index}", file.name, number), match[4].strip())
             first = texts.parameters.setdefault((int(match[1]), int(match[2] or 0)), entry)
             if first.text != entry.text:
                 raise entry.origin.error(
                     f"= {entry.text[:SHOWN]} contradicts {first.origin} = {first.text[:SHOWN]}; remove one of both"
                 )
+        elif NEARLY.match(line):
+            texts.strange.append(Origin(f"'{line.strip()[:SHOWN]}'", file.name, number))
 
 
 def _read_table(texts: Texts, file: ControlFile) -> None:
@@ -184,10 +201,10 @@ def _objects(file: ControlFile) -> Iterator[ConfigurationObject]:
         attributes: dict[str, Entry] = {}
         place = found.end()
         while match := _ATTRIBUTE.match(text, place):
-            if match[1] in ATTRIBUTES:
+            if (name := _ATTRIBUTE_NAMES.get(match[1].lower())) is not None:
                 line = bisect.bisect_right(starts, match.start(1))
-                origin = Origin(f"{found[1]} {match[1]}", file.name, line)
-                attributes[match[1]] = Entry(match[2].strip('"'), origin)
+                origin = Origin(f"{found[1]} {name}", file.name, line)
+                attributes[name] = Entry(match[2].strip('"'), origin)
             place = match.end()
         line = bisect.bisect_right(starts, found.start())
         origin = Origin(found[1], file.name, line)

@@ -134,7 +134,7 @@ def chain_of_transformation(
     both = []
     for place, (number, origin) in enumerate(found.inputs(data)[3:]):
         both.append(_axis(data, found, place, number, origin, axes, letters, answers) if number else None)
-    _one_name(both)
+    check_names(both)
     base = data.vector([(f"MC_TRAFO5_BASE_ORIENT_{found.count}", place) for place in range(3)])
     tool = base if base is not None and is_direction(base) else ALONG_Z
     return VectorChain(kind_figure, (both[0], both[1]), vectors, tool)
@@ -189,7 +189,7 @@ def joint_name(axis: ChannelAxis, direction: Figure) -> str:
     return TURNING[int(np.abs(direction.vector).argmax())]
 
 
-def _one_name(axes: Sequence[SwivelAxis | None]) -> None:
+def check_names(axes: Sequence[SwivelAxis | None]) -> None:
     """Refuse two axes of one letter."""
     first, second = axes
     if first is not None and second is not None and first.name == second.name:
@@ -277,7 +277,7 @@ def chain_of_carrier(
             "Is T the right kind?"
         )
     both = [_carrier_axis(data, number, place, axes, answers, remarks) for place in (0, 1)]
-    _one_name(both)
+    check_names(both)
     return VectorChain(Figure(kind, (kind_origin,)), (both[0], both[1]), vectors, ALONG_Z)
 
 

@@ -3,7 +3,8 @@
 Archives in ASCII, INITIAL.INI and printed lists have such lines, with or without numbers, checksums ('3a1f behind the
 value) and comments (Commissioning Manual CNC, 6FC5397-2AP10, chapter 10). $MN data are general, $MC data of a channel
 (of that of CHANDATA(n) before them, or of an index CHn), $MA data of a machine axis (AX1, or its name), $TC_CARR data
-of a swivel data set. An index that is left out is 0.
+of a swivel data set, $NK data of an element of the kinematic chain and $NT data of its transformation (kin.ini). An
+index that is left out is 0.
 """
 
 from __future__ import annotations
@@ -21,10 +22,20 @@ DATUM = re.compile(
     r"""(?P<value>"[^"]*"|'[HB][0-9A-F]*'|\([^)]*\)|[^\s"';$]+)?""",
     re.IGNORECASE,
 )
-ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
+SWITCHED_OFF = ("#", "//")
+"""Beginnings of lines that a person switched off."""
+OWN_UNIT = re.compile(
+    r"mm|in(?:ch(?:es)?)?|deg(?:rees?)?|grad|m?s|%|(?:mm|in(?:ch)?|deg|rev|u|1)/min|rpm"
+    r"|(?:m|in(?:ch)?|rev|umdr)/s(?:\^|\*\*)?[23²³]",
+    re.IGNORECASE,
+)
+"""What a listing writes behind a value that is in the unit of the control."""
+BEHIND = re.compile(r"\s*(?:'[0-9A-F]{1,4}\b)?\s*(?!N\d+\s*\$|\(|//|#)([^\s$]*)", re.IGNORECASE)
+"""A word behind a value and its checksum that is neither the next datum nor a remark."""
+ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|N[KT]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 KEPT = re.compile(
     r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
-    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_)""",
+    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_|NT_)""",
     re.IGNORECASE,
 )
 """Beginnings of names that are kept: an archive has some hundred times as many."""
@@ -44,9 +55,15 @@ class Datum:
 
     text: str
     origin: Origin
+    behind: str = ""
+    """A word behind the value that is no unit of the control."""
 
     def number(self) -> float:
         """As a number; TRUE is 1, 'H1F' and 'B101' are whole numbers. Raises ControlFileError."""
+        if self.behind:
+            raise self.origin.error(
+                f"= {self.text[:20]} has '{self.behind[:20]}' behind it; give the number alone, in the control's unit"
+            )
         word = self.text.strip("() ").upper()
         if word in ("TRUE", "FALSE"):
             return float(word == "TRUE")
@@ -84,6 +101,8 @@ class MachineData:
 
     data: dict[Key, list[Datum]] = field(default_factory=dict)
     channel: int = 0
+    strange: list[Origin] = field(default_factory=list)
+    """Lines that name a datum and assign nothing to it."""
 
     @staticmethod
     def of(files: Iterable[ControlFile]) -> MachineData:
@@ -91,12 +110,13 @@ class MachineData:
         found, count = MachineData(), 0
         for file in files:
             if not has_data(file):
-                raise ControlFileError("has no machine data ($MN_, $MC_, $MA_, $TC_CARR); leave it out", file=file.name)
+                wanted = "$MN_, $MC_, $MA_, $TC_CARR, $NK_, $NT_"
+                raise ControlFileError(f"has no machine data ({wanted}); leave it out", file=file.name)
             channel = 0
             for number, line in enumerate(file.lines, 1):
                 if match := CHANNEL.match(line):
                     channel = int(match[1] or match[2])
-                if "$" in line and KEPT.search(line):
+                if "$" in line and KEPT.search(line) and not line.lstrip().startswith(SWITCHED_OFF):
                     count += 1
                     found._add(file, number, COMMENT.sub(r"\1", line), channel)
                     if count > MOST:
@@ -108,6 +128,8 @@ class MachineData:
 
     def _add(self, file: ControlFile, line: int, text: str, channel: int) -> None:
         """Keep what a line assigns."""
+        if KEPT.search(text) and not DATUM.search(text):
+            self.strange.append(Origin(f"'{text.strip()[:SHOWN]}'", file.name, line))
         for match in DATUM.finditer(text):
             name = match["name"].upper()
             if not KEPT.match("$" + name):
@@ -124,7 +146,9 @@ class MachineData:
                     others.append(part)
             key = (name, int(numbers[0]) if numbers else 0, ",".join(others + numbers[1:]),
                    of if name.startswith("MC_") else 0)  # fmt: skip
-            self.data.setdefault(key, []).append(Datum(match["value"] or "", Origin(shown, file.name, line)))
+            word = found[1] if (found := BEHIND.match(text, match.end())) else ""
+            behind = "" if OWN_UNIT.fullmatch(word) else word
+            self.data.setdefault(key, []).append(Datum(match["value"] or "", Origin(shown, file.name, line), behind))
 
     @property
     def channels(self) -> list[int]:
@@ -137,7 +161,7 @@ class MachineData:
 
     @property
     def has_kinematic_chain(self) -> bool:
-        """Whether there are elements of a kinematic chain, which are not read."""
+        """Whether there are elements of a kinematic chain."""
         return any(key[0].startswith("NK_") for key in self.data)
 
     def axis_words(self) -> list[str]:
@@ -163,7 +187,7 @@ class MachineData:
         datum = self.datum(name, number, axes)
         return None if datum is None else datum.figure(unit)
 
-    def vector(self, places: Sequence[tuple[str, int]]) -> Figure | None:
+    def vector(self, places: Sequence[tuple[str, int] | tuple[str, int, tuple[str, ...]]]) -> Figure | None:
         """Three numbers under these names and indices; those that are missing are 0, and None is for all three."""
         data = [self.datum(*place) for place in places]
         present = [datum for datum in data if datum is not None]

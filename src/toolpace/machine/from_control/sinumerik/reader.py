@@ -23,13 +23,14 @@ from toolpace.machine.from_control.sinumerik.five_axis import (
     sets_by_hand,
     transformation,
 )
+from toolpace.machine.from_control.sinumerik.kinematic_chain import kinematic_transformation
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData, has_data
 from toolpace.machine.from_control.sinumerik.vector_chain import ON_TABLE, VectorChain
 from toolpace.machine.from_control.stand_ins import Answers, Question
 from toolpace.machine.from_control.unplaced_axes import ALONG, TURNING, Unplaced, place_axes
 
 CONTROL = "Sinumerik"
-TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...) and swivel data ($TC_CARR...)"
+TOLD_BY = "machine data as text ($MN_..., $MC_..., $MA_...), swivel data ($TC_CARR...), kinematic chains ($NK_...)"
 IN_MM = {"mm": 1.0, "in": 25.4}
 OWN_UNITS = 8
 """Bits of MD10220 that give lengths, angles and their derivatives other units than those of the manuals."""
@@ -56,11 +57,8 @@ def read(files: Sequence[ControlFile], answers: Answers) -> MachineRecord:
     axes = channel_axes(data, answers)
     if not axes:
         raise ControlFileError("has no axis; give general, channel and axis data", file=files[0].name)
-    found, others = transformation(data)
-    record.remarks += others
-    inputs = found.inputs(data)[:3] if found is not None and found.names_axes(data) else []
+    chain, inputs = _chain_and_inputs(data, axes, answers, record)
     straight = straight_axes(data, axes, inputs)
-    chain = _chain(data, found, axes, answers, record)
     joints = dict(zip("XYZ", straight)) | _turning(data, axes, chain)
     for letter, axis in joints.items():
         kind = _kind(data, letter, axis)
@@ -106,6 +104,24 @@ def _length(data: MachineData, answers: Answers) -> Figure:
     return answers.choice(question, tuple(IN_MM))
 
 
+def _chain_and_inputs(
+    data: MachineData, axes: Mapping[int, ChannelAxis], answers: Answers, record: MachineRecord
+) -> tuple[VectorChain | None, list[tuple[int, Origin]]]:
+    """The chain, and the channel axes that are X, Y and Z where something names them."""
+    by_elements = kinematic_transformation(data, axes, record)
+    if by_elements is None:
+        found, others = transformation(data)
+        record.remarks += others
+        inputs = found.inputs(data)[:3] if found is not None and found.names_axes(data) else []
+        return _chain(data, found, axes, answers, record), inputs
+    record.remarks += sets_by_hand(data)
+    if len(carrier_numbers(data)) == 1:
+        number = carrier_number(data, None, answers)
+        assert number is not None
+        _compare(by_elements.chain, chain_of_carrier(data, number, axes, answers, record.remarks), record)
+    return by_elements.chain, by_elements.inputs
+
+
 def _chain(
     data: MachineData, found: Transformation | None, axes: Mapping[int, ChannelAxis], answers: Answers,
     record: MachineRecord,
@@ -121,8 +137,6 @@ def _chain(
     number = carrier_number(data, found, answers) if single else None
     swivel = None if number is None else chain_of_carrier(data, number, axes, answers, record.remarks)
     if found is None or not by_type:
-        if swivel is None and data.has_kinematic_chain:
-            record.remarks.append("The kinematic chain ($NK_...) is not read: it may say what is asked for.")
         return swivel
     chain = chain_of_transformation(data, found, axes, answers, str(record.length.value))
     if not any(chain.axes):
@@ -243,6 +257,10 @@ def _add_remarks(
     record: MachineRecord,
 ) -> None:  # fmt: skip
     """What a person should know: axes that are no joints, data of no axis, and turns against ISO 841."""
+    if data.strange:
+        record.remarks.append(
+            f"Lines that name machine data and assign nothing: {len(data.strange)}, the first is {data.strange[0]}."
+        )
     others = [axis.name for axis in axes.values() if axis not in joints.values()]
     if others:
         record.remarks.append(f"No joints of this machine: {', '.join(others)}.")

@@ -1,0 +1,141 @@
+// One time for all: what plays it, and what is told of it.
+class Player {
+  constructor(data, arrays) {
+    this.duration = data.duration;
+    this.motion = data.keyframes ? new Motion(data, arrays) : null;
+    this.joints = data.joints;
+    this.channels = data.channels.map((c) => ({ ...c, values: arrays.numbers(c.data) }));
+    this.scaleSpeeds();
+    this.limits = data.limits.map((name, k) => ({ name, colour: data.colours[k] }));
+    this.strip = arrays.whole(data.strip);
+    this.operations = data.operations;
+    this.passages = { t: arrays.numbers(data.passages.t), line: arrays.whole(data.passages.line),
+      operation: arrays.whole(data.passages.operation), kind: arrays.whole(data.passages.kind) };
+    this.text = data.program ? new TextDecoder().decode(arrays.bytes(data.program)).split("\n") : null;
+    this.t = 0;
+    this.rate = 1;
+    this.colouring = "speed";
+    this.watchers = [];
+    this.account();
+    this.readLook();
+  }
+
+  // The time of each line and each operation, and the stretches of operations.
+  account() {
+    const { t, line, operation } = this.passages;
+    this.lineTimes = new Map();
+    this.lineBegins = new Map();
+    this.operationTimes = new Map();
+    this.bars = [];
+    for (let k = 0; k < t.length; k++) {
+      const end = k + 1 < t.length ? t[k + 1] : this.duration, time = end - t[k];
+      this.lineTimes.set(line[k], (this.lineTimes.get(line[k]) || 0) + time);
+      if (!k || line[k] !== line[k - 1]) {
+        if (!this.lineBegins.has(line[k])) this.lineBegins.set(line[k], []);
+        this.lineBegins.get(line[k]).push(t[k]);
+      }
+      const of = this.operationTimes.get(operation[k]) || { time: 0, begin: t[k] };
+      of.time += time;
+      this.operationTimes.set(operation[k], of);
+      const bar = this.bars.at(-1);
+      if (bar && bar.operation === operation[k]) bar.end = end;
+      else this.bars.push({ operation: operation[k], begin: t[k], end });
+    }
+  }
+
+  // The fastest that is passed at feed, for the curves; and what nearly all of it stays below, for the colours.
+  scaleSpeeds() {
+    const [speed, cap] = this.channels.filter((c) => c.panel === "feed").map((c) => c.values);
+    this.highest = this.usual = 1;
+    if (!speed) return;
+    const cutting = cap ? speed.filter((v, i) => !Number.isNaN(cap[i])) : speed, sorted = (cutting.length ? cutting : speed).slice().sort();
+    this.highest = Math.max(sorted.at(-1), 1e-6);
+    this.usual = Math.min(1.05 * Math.max(sorted[Math.floor(0.97 * (sorted.length - 1))], 1e-6), this.highest);
+  }
+
+  passageAt(t) { return lastAt(this.passages.t, t); }
+  lineAt(t) { return this.passages.line[this.passageAt(t)]; }
+  operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
+  kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
+  stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }
+  limitAt(t) { const k = this.stripAt(t); return k < 0 ? "no limit reached" : this.limits[k].name; }
+  limitColour(t) { const k = this.stripAt(t); return k < 0 ? this.look.neutral : this.limits[k].colour; }
+  operationName(k) { const each = this.operations[k]; return each ? each.name || (each.tool ? `tool ${each.tool}` : `operation ${k + 1}`) : "-"; }
+
+  valueAt(name, t) {
+    const channel = this.channels.find((c) => c.panel === "feed" && c.name === name);
+    return channel ? channel.values[Math.round((t / this.duration) * (channel.values.length - 1))] : NaN;
+  }
+
+  // Stretches that are passed slower than the program asks for, by the time that costs, each with what holds it back.
+  slowPlaces() {
+    const feed = this.channels.filter((c) => c.panel === "feed");
+    if (feed.length < 2) return [];
+    const [speed, cap] = feed.map((c) => c.values), n = speed.length, step = this.duration / Math.max(n - 1, 1), out = [];
+    let now = null;
+    const close = () => {
+      if (!now) return;
+      const [limit] = [...now.limits].sort((a, b) => b[1] - a[1])[0] || [-1];
+      out.push({ ...now, limit: limit < 0 ? "" : this.limits[limit].name });
+      now = null;
+    };
+    for (let i = 0; i < n; i++) {
+      const share = cap[i] > 0 ? speed[i] / cap[i] : NaN;
+      if (!(share < 0.95)) { close(); continue; }
+      now = now || { lost: 0, share: 2, t: 0, limits: new Map() };
+      now.lost += step * (1 - share);
+      const k = this.stripAt(i * step);
+      if (k > 0) now.limits.set(k, (now.limits.get(k) || 0) + 1);
+      if (share < now.share) { now.share = share; now.t = i * step; }
+    }
+    close();
+    return out.sort((a, b) => b.lost - a.lost);
+  }
+
+  readLook() {
+    const style = getComputedStyle(document.documentElement), of = (name) => style.getPropertyValue(name).trim();
+    this.look = { ink: of("--ink"), soft: of("--soft"), line: of("--line"), ground: of("--plot"), good: of("--good"), bad: of("--bad"),
+      accent: of("--accent"), neutral: of("--neutral"), veil: of("--veil"), onBar: of("--on-bar"), font: style.fontFamily || "sans-serif",
+      joints: this.joints.map((j) => j.colour), bars: ["--bar-1", "--bar-2", "--bar-3", "--bar-4"].map(of) };
+    this.look.font = getComputedStyle(document.body).fontFamily;
+  }
+
+  seek(t) {
+    this.t = Math.min(Math.max(Number(t) || 0, 0), this.duration);
+    for (const watch of this.watchers) watch(this.t);
+  }
+
+  play() {
+    if (this.playing) return;
+    if (this.t >= this.duration) this.seek(0);
+    this.playing = true;
+    let before = performance.now();
+    const step = (now) => {
+      if (!this.playing) return;
+      this.seek(this.t + (this.rate * (now - before)) / 1e3);
+      before = now;
+      if (this.t >= this.duration) this.pause(); else requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+    for (const watch of this.watchers) watch(this.t);
+  }
+
+  pause() {
+    this.playing = false;
+    for (const watch of this.watchers) watch(this.t);
+  }
+
+  // To the beginning of the block that is passed, the one before or the next.
+  step(by) {
+    const { t } = this.passages, k = this.passageAt(this.t + 1e-7);
+    if (by > 0) this.seek(k + 1 < t.length ? t[k + 1] : this.duration);
+    else this.seek(this.t > t[k] + 1e-6 ? t[k] : t[Math.max(k - 1, 0)]);
+  }
+
+  state() {
+    const q = this.motion && this.motion.at(this.t).map((v, j) => (this.motion.rotary[j] ? (v * 180) / Math.PI : v));
+    const tool = this.motion && this.motion.machine ? this.motion.tool(this.t) : null;
+    return { t: this.t, line: this.lineAt(this.t), operation: this.operationName(this.operationAt(this.t)), playing: !!this.playing,
+      q, tip: tool && tool.tip, axis: tool && tool.axis };
+  }
+}

@@ -1,0 +1,117 @@
+"""What the script of the report shows, from a motion and its program: all in one JSON text, its arrays packed."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.common.errors import printable
+from toolpace.motion.setpoints import SetPointSource
+from toolpace.results.report.charts import Channel, Curves, binding, deviations, extremes, limit_names
+from toolpace.results.report.key_figures import PlanFigures
+from toolpace.results.report.keyframes import TICK, keyframes
+from toolpace.results.report.machine_view import machine_view
+from toolpace.results.report.packed_arrays import PackedArrays
+from toolpace.results.report.passages import passages
+from toolpace.results.report.words import colours, joint_colour, limit_words
+
+if TYPE_CHECKING:
+    from toolpace.machine.machine import Machine
+    from toolpace.motion.trajectory import Trajectory
+    from toolpace.programs.toolpath import ToolPath
+
+STRIP = 20_000
+"""Columns of the strip that shows what limits where: enough to draw it larger ten times on a wide screen."""
+STEPS = 4000
+"""Values of a curve from 0 to its largest: a screen shows fewer."""
+SLOPE = 2.0
+"""Rounding of velocities in tolerances of the keyframes [1/s]: over a stretch of 0.1 s an eighth of it is seen."""
+LONGEST_PROGRAM = 8_000_000
+"""Bytes of a program whose text is in the page: deflated, a million of them."""
+
+
+def player_data(
+    trajectory: Trajectory,
+    setpoints: SetPointSource,
+    toolpath: ToolPath | None,
+    curves: Curves,
+    figures: PlanFigures | None,
+    program: bytes | None,
+) -> str:
+    """All that the script shows, as JSON that cannot end the element it stands in."""
+    machine, joints = trajectory.axis_path.machine, setpoints.joints
+    shown, arrays = curves.extremes(), PackedArrays()
+    if figures is not None:
+        shown += deviations(trajectory, setpoints.t, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+    columns = min(STRIP, 4 * len(setpoints))
+    strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
+    passed = passages(trajectory, setpoints, toolpath)
+    text = program_text(program)
+    data: dict[str, object] = {
+        "duration": float(trajectory.duration),
+        "joints": [{"name": name, "colour": joint_colour(j)} for j, name in enumerate(joints)],
+        "channels": [_channel(channel, arrays) for channel in shown],
+        "limits": [limit_words(name) for name in limit_names(joints)],
+        "colours": list(colours(joints).values()),
+        "strip": arrays.add(binding(trajectory, strip_times)),
+        "passages": {
+            "t": arrays.add(passed.t, TICK),
+            "line": arrays.add(passed.line),
+            "operation": arrays.add(passed.operation),
+            "kind": arrays.add(passed.kind),
+        },
+        "operations": [
+            {"name": printable(each.name), "tool": printable(each.tool)}
+            for each in (toolpath.operations if toolpath is not None else ())
+        ],
+        "program": None if text is None else arrays.add_bytes(text),
+        **_motion(trajectory, machine, arrays),
+    }
+    data["arrays"] = arrays.text
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArrays) -> dict[str, object]:
+    """Keyframes of the joints, and the chain that they move; none without a machine."""
+    if machine is None:
+        return {"keyframes": None, "machine": None}
+    frames = keyframes(trajectory)
+    lengths = np.asarray(trajectory.axis_path.tool_lengths, dtype=np.float64)
+    return {
+        "keyframes": {
+            "t": arrays.add(frames.t, TICK),
+            "q": [arrays.add(each, 0.01 * frames.tolerance) for each in frames.q.T],
+            "v": [arrays.add(each, SLOPE * frames.tolerance) for each in frames.qd.T],
+        },
+        "rotary": machine.is_rotary.tolist(),
+        "tools": {
+            "t": trajectory.starts.tolist(),
+            "length": (1e3 * np.where(np.isnan(lengths), machine.tool_length, lengths)).tolist(),
+        },
+        "machine": machine_view(machine),
+    }
+
+
+def _channel(channel: Channel, arrays: PackedArrays) -> dict[str, object]:
+    """A curve for the page."""
+    there = channel.values[np.isfinite(channel.values)]
+    top = max(float(np.abs(there).max(initial=0.0)), channel.top, 1e-12)
+    values = extremes(np.where(np.isfinite(channel.values), channel.values, np.inf))
+    return {
+        "name": channel.name, "panel": channel.panel, "joint": channel.joint,
+        "peak": channel.peak, "unit": channel.unit, "data": arrays.add(values, top / STEPS),
+    }  # fmt: skip
+
+
+def program_text(program: bytes | None) -> bytes | None:
+    """The lines of a program as UTF-8; None where there are none, or so many that a page would be heavy."""
+    if not program or len(program) > LONGEST_PROGRAM:
+        return None
+    try:
+        text = program.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = program.decode("latin-1")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return "\n".join(printable(line.expandtabs(4)) for line in lines).encode()
