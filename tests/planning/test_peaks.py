@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,7 @@ from testbed.jets import harmonics, path_of
 from tests.support.bends import bend, limits_of
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
-from toolpace.path.axis_path import AxisPath
-from toolpace.planning.path_at_probes import BENT, PathAtProbes, caps_between
+from toolpace.planning.path_at_probes import BENT, caps_between
 from toolpace.planning.peaks import CLOSELY, VAGUE_ABOVE, LimitCheck, between
 
 INSIDE = np.linspace(0.0, 1.0, 17)
@@ -69,24 +66,3 @@ def test_what_is_confirmed_is_nowhere_less_than_many_probes_show(seed):
     probed.inside = between(CLOSELY)
     assert (used[near] >= look.peaks_in(probed, near).used * (1.0 - 1e-9)).all()
     assert (used >= peaks.used).all()
-
-
-def test_between_nodes_the_path_is_as_the_ends_of_its_cell_tell_it_on_either_side_of_a_break():
-    """A third derivative that jumps at nodes: of the cells at a break each takes its own side."""
-    nodes = np.linspace(0.02, 0.98, 97)
-    breaks = nodes[[20, 21, 50]]
-
-    def f(s, order):
-        kinks = sum(np.where(s >= b, (s - b) ** (3 - order), 0.0) * 40.0 / math.factorial(3 - order) for b in breaks)
-        return (np.sin(3.0 * s + order * np.pi / 2.0) * 3.0**order + kinks)[:, None]
-
-    run, limits = AxisPath.from_callable(f, breaks=breaks).runs[0], Limits([1.0], [10.0], [100.0])
-    path = PathAtProbes(run, limits, nodes)
-    s = np.sort(np.random.default_rng(0).uniform(nodes[0], nodes[-1], 400))
-    asked, cap = run.with_cap(s)
-    np.testing.assert_array_equal(path.with_cap(s)[0], asked, "nothing has been looked at")
-    path.interpolated(np.arange(96), INSIDE)
-    assert path.alike.all()
-    told, of_path = path.with_cap(s)
-    np.testing.assert_allclose(told[1:], asked[1:], atol=1e-6)
-    assert not np.array_equal(told[1:], asked[1:]) and np.array_equal(of_path, cap)

@@ -42,8 +42,6 @@ class PathAtProbes:
         seen."""
         self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) those in which the path does."""
-        self.alike = np.zeros(len(nodes) - 1, dtype=np.bool_)
-        """(n - 1,) those in which the derivatives at both ends have been seen to tell the path."""
         self._highest = np.full(len(nodes) - 1, np.inf)
         """(n - 1,) z up to which that counts."""
         breaks = run.breaks[(run.breaks > nodes[0]) & (run.breaks < nodes[-1]) & ~np.isin(run.breaks, nodes)]
@@ -54,7 +52,7 @@ class PathAtProbes:
         """Take what was seen on a mesh whose cells have been cut into so many parts (cells,) for this one."""
         whole = parts == 1
         self.unlike, self.hiding = (np.repeat(marks & whole, parts) for marks in (before.unlike, before.hiding))
-        self.alike, self._highest = np.repeat(before.alike, parts), np.repeat(before._highest, parts)
+        self._highest = np.repeat(before._highest, parts)
 
     def is_outgrown(self, law: SplineLaw) -> bool:
         """Whether a law is so fast somewhere that what was seen of the path does not count."""
@@ -80,7 +78,6 @@ class PathAtProbes:
         out = path_between(low[0], high[0], length, inside)
         halved = np.flatnonzero(unlike & ~torn)
         alike, of_halves = self._halves(begin, length, halved, low[0], middle[0], high[0], z, inside)
-        self.alike[which] = ~unlike & ~torn
         out[halved[alike]], unlike[halved[alike]] = of_halves[alike], False
         self.hiding[which] = unlike | torn
         caps, vague = self._caps(begin, end, low[1], middle[1], high[1], inside)
@@ -95,23 +92,6 @@ class PathAtProbes:
         q, cap = self.run.with_cap(np.clip(s, self.run.s0, self.run.s1))
         by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
         return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
-
-    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
-        """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), none of them a node: the path as the ends of its cell
-        tell it, where they have been seen to do so."""
-        cell = np.searchsorted(self.nodes, s) - 1
-        alike = self.alike[cell]
-        if not alike.any():
-            return self.cache.with_cap(s)
-        which, own = np.unique(cell[alike], return_inverse=True)
-        (low, _), _, (high, _) = self._ends_and_middles(which, np.empty(0))
-        begin, end = self.nodes[which], self.nodes[which + 1]
-        share = (s[alike] - begin[own]) / (end - begin)[own]
-        path, cap = np.empty((4, len(s), low.shape[2])), np.empty(len(s))
-        path[:, alike] = path_at(low[:, own], high[:, own], (end - begin)[own], share)
-        cap[alike] = self.run.speed_cap(s[alike])
-        path[:, ~alike], cap[~alike] = self.cache.with_cap(s[~alike])
-        return path, cap
 
     def _ends_and_middles(self, which: Ints, middles: Floats) -> list[tuple[Floats, Floats]]:
         """Path (4, n, m) and cap (n,) where the cells `which` (n,), ascending, begin, at some `middles` (k,), and where
@@ -193,24 +173,6 @@ def path_between(low: Floats, high: Floats, length: Floats, inside: Floats) -> F
     """q', q'', q''' (n, 3, m, k) at the shares `inside` (k,) of cells, from the path (4, n, m) at both their ends."""
     out = np.empty((len(length), 3, low.shape[2], len(inside)))
     between_nodes.path_between(low, high, length, inside, out)
-    return out
-
-
-def path_at(low: Floats, high: Floats, length: Floats, share: Floats) -> Floats:
-    """Position and derivatives (4, n, m) at one share (n,) of each cell, as the quintic of q' that both its ends (4, n,
-    m) give."""
-    h, x = length[:, None], share[:, None]
-    d0, c0, d1, c1 = h * low[2], h * h * low[3], h * high[2], h * h * high[3]
-    rise, slope, bend = high[1] - low[1] - d0 - 0.5 * c0, d1 - d0 - c0, c1 - c0
-    a3 = 10.0 * rise - 4.0 * slope + 0.5 * bend
-    a4 = -15.0 * rise + 7.0 * slope - bend
-    a5 = 6.0 * rise - 3.0 * slope + 0.5 * bend
-    out = np.empty_like(low)
-    gained = low[1] + x * (d0 / 2.0 + x * (c0 / 6.0 + x * (a3 / 4.0 + x * (a4 / 5.0 + x * a5 / 6.0))))
-    out[0] = low[0] + h * x * gained
-    out[1] = low[1] + x * (d0 + x * (0.5 * c0 + x * (a3 + x * (a4 + x * a5))))
-    out[2] = (d0 + x * (c0 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))) / h
-    out[3] = (c0 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5))) / (h * h)
     return out
 
 

@@ -215,7 +215,8 @@ def highest_speed(
     length = run.s1 - run.s0
     z = law.z_at_nodes()
     worth = max(float(z.max()) / HIGHEST, fleeting(length, law.duration))
-    return max(min(highest_of(*steady_speed((cache or run).with_cap, limits, s), length), worth), float(z[0]), float(z[-1]))
+    steady = highest_of(*steady_speed((cache or run).with_cap, limits, s), length)
+    return max(min(steady, worth), float(z[0]), float(z[-1]))
 
 
 def places_in_time(run: AxisRun, law: SplineLaw, bound: Bound) -> tuple[OpenPlace, ...]:

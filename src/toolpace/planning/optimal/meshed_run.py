@@ -129,7 +129,7 @@ class MeshedRun(OnMesh):
             self.lowered[1:] *= over
         if self._discretised is not None:
             new = held.beside(self._discretised.place[self._discretised.inside])
-            self._discretised = with_rows_between(self._discretised, self.look.path, self.limits, new)
+            self._discretised = with_rows_between(self._discretised, self.run, self.limits, new)
             self._whole = self._discretised.lowered(self.lowered, held.lowered)
         self.between = held
 

@@ -16,7 +16,7 @@ from toolpace.motion import limit_ratios
 from toolpace.motion.usage import unexplained
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.initial_guess import highest_of
-from toolpace.planning.path_at_probes import CachedPath, PathAtProbes
+from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.planned_run import EndState
 
 AT_NODE = 0.02
@@ -154,7 +154,7 @@ def discretise(
 
 
 def rows_at(
-    run: AxisRun | CachedPath | PathAtProbes, limits: Limits, s: Floats, ahead: Floats
+    run: AxisRun | CachedPath, limits: Limits, s: Floats, ahead: Floats
 ) -> tuple[Floats, tuple[Floats, Floats], Floats]:
     """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
 
@@ -166,7 +166,7 @@ def rows_at(
     return most, (scale[0], scale[1]), limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
 
 
-def with_rows_between(problem: Problem, run: AxisRun | PathAtProbes, limits: Limits, places: Floats) -> Problem:
+def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
     """The problem with the rows of further places (k,) between its nodes, ascending."""
     if not len(places):
         return problem
