@@ -10,6 +10,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.kernels.motion import between_nodes
 from toolpace.kernels.optimal import first_guess
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws import SplineLaw
 from toolpace.path.axis_run import AxisRun
 
 UNLIKE = 1e-6
@@ -22,7 +23,7 @@ OFF = 1e-6
 """How far any other cap, which is asked at each probe, may be from that polynomial in a cell that is taken for simple,
 relative to itself."""
 FASTER = 4.0
-"""How much of the z at steady speed a motion may have."""
+"""How much of the z at steady speed, or of that of the law at hand, a motion may have."""
 
 
 class PathAtProbes:
@@ -41,16 +42,37 @@ class PathAtProbes:
         seen."""
         self.hiding = np.zeros(len(nodes) - 1, dtype=np.bool_)
         """(n - 1,) those in which the path does."""
+        self._highest = np.full(len(nodes) - 1, np.inf)
+        """(n - 1,) z up to which that counts."""
         breaks = run.breaks[(run.breaks > nodes[0]) & (run.breaks < nodes[-1]) & ~np.isin(run.breaks, nodes)]
         self._torn = np.zeros(len(nodes) - 1, dtype=np.bool_)
         self._torn[np.searchsorted(nodes, breaks) - 1] = True
 
-    def interpolated(self, which: Ints, inside: Floats) -> tuple[Floats, Floats]:
-        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending."""
+    def take_over(self, before: PathAtProbes, parts: Ints) -> None:
+        """Take what was seen on a mesh whose cells have been cut into so many parts (cells,) for this one."""
+        whole = parts == 1
+        self.unlike, self.hiding = (np.repeat(marks & whole, parts) for marks in (before.unlike, before.hiding))
+        self._highest = np.repeat(before._highest, parts)
+
+    def is_outgrown(self, law: SplineLaw) -> bool:
+        """Whether a law is so fast somewhere that what was seen of the path does not count."""
+        z = law.z_at_nodes()
+        return bool((np.maximum(z[:-1], z[1:]) > self._highest).any())
+
+    def interpolated(self, which: Ints, inside: Floats, law: SplineLaw | None = None) -> tuple[Floats, Floats]:
+        """q', q'', q''' (n, 3, m, k) and caps (n, k) at the shares `inside` of the cells `which`, ascending.
+
+        For motions whose z is nowhere more than FASTER times that at steady speed, or that of `law`: next to rest that
+        is far less, and what positions gain in so short a cell is rounding.
+        """
         begin, end = self.nodes[which], self.nodes[which + 1]
-        low, middle, high = self._ends_and_middles(which)
-        z = self._highest_z(low, middle, high)
         length = end - begin
+        low, middle, high = self._ends_and_middles(which, begin + length / 2.0)
+        z = self._highest_z(low, middle, high)
+        if law is not None:
+            of_law = law.z_at_nodes()
+            self._highest[which] = FASTER * np.maximum(of_law[which], of_law[which + 1])
+            z = np.minimum(z, self._highest[which])
         unlike = ~self._alike(begin, length, low[0], middle[0], high[0], z)
         torn = self._torn[which]
         out = path_between(low[0], high[0], length, inside)
@@ -71,25 +93,22 @@ class PathAtProbes:
         by_cell = q[1:].reshape(3, len(which), len(inside), -1).transpose(1, 0, 3, 2)
         return np.ascontiguousarray(by_cell), cap.reshape(len(which), -1)
 
-    def _ends_and_middles(self, which: Ints) -> list[tuple[Floats, Floats]]:
-        """Path (4, n, m) and cap (n,) where the cells `which` (n,) begin, in their middles, and where they end.
+    def _ends_and_middles(self, which: Ints, middles: Floats) -> list[tuple[Floats, Floats]]:
+        """Path (4, n, m) and cap (n,) where the cells `which` (n,), ascending, begin, at some `middles` (k,), and where
+        they end.
 
         The path is from inside a cell at a break.
         """
         at = np.union1d(which, which + 1)
-        nodes, count, cells = self.nodes[at], len(at), len(which)
+        nodes, count = self.nodes[at], len(at)
         first, last = np.searchsorted(at, which), np.searchsorted(at, which + 1)
         broken = np.flatnonzero(np.isin(nodes, self.run.breaks))
-        middles = nodes[first] + (nodes[last] - nodes[first]) / 2.0
         s = np.concatenate([nodes, middles, np.nextafter(nodes[broken], -np.inf)])
         q, cap = self.cache.with_cap(np.clip(s, self.run.s0, self.run.s1))
         high, cap_high = q[:, :count].copy(), cap[:count].copy()
-        high[:, broken], cap_high[broken] = q[:, count + cells :], cap[count + cells :]
-        parts = (
-            (q[:, first], cap[first]),
-            (q[:, count : count + cells], cap[count : count + cells]),
-            (high[:, last], cap_high[last]),
-        )
+        high[:, broken], cap_high[broken] = q[:, count + len(middles) :], cap[count + len(middles) :]
+        between = slice(count, count + len(middles))
+        parts = (q[:, first], cap[first]), (q[:, between], cap[between]), (high[:, last], cap_high[last])
         return [(np.ascontiguousarray(path), of_path) for path, of_path in parts]
 
     def _highest_z(self, *places: tuple[Floats, Floats]) -> Floats:
@@ -188,6 +207,8 @@ class CachedPath:
         """(n,) where it is known, ascending."""
         self._path, self._cap = np.empty((4, 0, 0)), np.empty(0)
         """(4, n, joints) and (n,) there."""
+        self.rest_caps: dict[tuple[float, float], float] = {}
+        """Most z at the inner ends of cells at rest, by that node and the way to rest."""
 
     def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         """Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""

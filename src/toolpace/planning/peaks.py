@@ -74,23 +74,26 @@ class LimitCheck:
     def _take_over(self, check: LimitCheck, cells: Floats, peaks: Peaks, parts: Ints) -> None:
         """Take what was found in cells that are still whole, from the check of a mesh before they were cut."""
         whole = parts == 1
-        self.path.unlike = np.repeat(check.path.unlike & whole, parts)
-        self.path.hiding = np.repeat(check.path.hiding & whole, parts)
+        self.path.take_over(check.path, parts)
         found = Peaks(np.repeat(peaks.used, parts, axis=0), np.repeat(peaks.place, parts, axis=0))
         self._last = np.repeat(np.where(whole[:, None], cells, np.nan), parts, axis=0), found
 
     def peaks(self, law: SplineLaw, workers: Workers | None = None) -> Peaks:
         """The peaks in all cells; only those in which z is not as it was in the law before are looked at."""
         last, cells, workers = len(self.nodes) - 1, law.cells, workers or Workers()
+        if self.path.is_outgrown(law):
+            self._kept, self._last = {}, None
         changed = np.ones(last, dtype=np.bool_) if self._last is None else (cells != self._last[0]).any(axis=1)
 
         def of_chunk(first: int) -> Peaks:
             which = np.arange(first, min(first + CHUNK, last))
             mine = changed[which]
+            whole = bool(mine.all())
             if first in self._kept:
-                return self._of(which[mine], law, *(each[mine] for each in self._kept[first]))
-            path = self.path.interpolated(which[mine], law.inside)
-            if last <= KEPT_CELLS and mine.all():
+                path = self._kept[first]
+                return self._of(which[mine], law, *(path if whole else (each[mine] for each in path)))
+            path = self.path.interpolated(which[mine], law.inside, law)
+            if last <= KEPT_CELLS and whole:
                 self._kept[first] = path
             return self._of(which[mine], law, *path)
 

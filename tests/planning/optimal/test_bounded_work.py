@@ -72,9 +72,9 @@ def test_cells_that_are_not_cut_are_not_checked_again(monkeypatch):
     same.inside = law.inside  # a finer mesh has fewer probes a cell
     cells, interpolated = [], PathAtProbes.interpolated
 
-    def counted(path, which, inside):
+    def counted(path, which, inside, law):
         cells.extend(which)
-        return interpolated(path, which, inside)
+        return interpolated(path, which, inside, law)
 
     monkeypatch.setattr(PathAtProbes, "interpolated", counted)
     later = LimitCheck(run, limits, finer, before=(check, parts))

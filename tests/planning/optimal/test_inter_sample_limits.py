@@ -17,9 +17,10 @@ from toolpace.path.path import Path
 from toolpace.planning.limit_tolerances import GUARANTEE
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import inter_sample_limits
-from toolpace.planning.optimal.inter_sample_limits import closer, held_between_nodes, slowing, within_guarantee
+from toolpace.planning.optimal.inter_sample_limits import held_between_nodes, within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.optimal.slow_down import closer, slowing
 from toolpace.planning.optimal.solve import LIMITS, Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.peaks import LimitCheck, Peaks

@@ -135,7 +135,7 @@ def test_neighbours_of_a_place_that_passes_by_far_get_rows_too(used, shares):
     rows = RowsBetween().held(nodes, peaks, peaks.used.max(axis=1) > 1.0, np.zeros(20, dtype=bool), 1.0)
     beside = [7.5, 8.5, *9.0 + QUARTERS], [*11.0 + QUARTERS, 12.5, 13.5]
     assert rows.place == pytest.approx(np.concatenate([beside[0], 10.0 + shares, beside[1]]))
-    assert rows.lowered[1] == pytest.approx(1.0) and rows.lowered[2] == pytest.approx(1.0 + LOWERED)
+    assert rows.lowered[1] == pytest.approx(1.0) and rows.lowered[2] == pytest.approx(LOWERED)
 
 
 def test_derivatives_at_the_nodes_tell_a_smooth_path_to_the_sixth_order():

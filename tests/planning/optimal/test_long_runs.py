@@ -26,9 +26,10 @@ from toolpace.planning.limit_tolerances import GUARANTEE, PROMISED
 from toolpace.planning.mesh.initial_guess import places
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal import meshed_run, windows
-from toolpace.planning.optimal.inter_sample_limits import easing, slowing, within_guarantee
+from toolpace.planning.optimal.inter_sample_limits import within_guarantee
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.optimal.slow_down import in_place, slowing
 from toolpace.planning.planned_run import AT_REST, EndState
 from toolpace.planning.planner import plan
 
@@ -176,7 +177,7 @@ def test_a_place_that_stays_above_is_eased_alone():
     assert peak.max() > GUARANTEE
     slowed_down = within_guarantee(of_run, law, peak, Workers())
     assert of_run.look.peaks(slowed_down).used.max() <= GUARANTEE
-    left = easing(law, peak, of_run.ramp)
+    left = in_place(of_run.look, law, peak, of_run.ramp).left
     assert left[0] == left[-1] == 1.0 and left.min() < 1.0
     assert slowed_down.duration < law.slowed(slowing(peak)).duration
 

@@ -21,9 +21,11 @@ SAME_PLACE = 0.12
 """Share of a cell up to which two places are one: the row there is lowered, and no other put beside it."""
 BESIDE_NODE = 0.02
 """Share of a cell that a place between two nodes keeps from them."""
-QUARTERS, EIGHTHS, LOWERED = np.linspace(0.25, 0.75, 3), np.linspace(0.125, 0.875, 7), 5e-4
-"""Where a cell that passes a limit by more than a little, or very far, gets its first rows, and how far their limits
-are lowered."""
+QUARTERS, EIGHTHS = np.linspace(0.25, 0.75, 3), np.linspace(0.125, 0.875, 7)
+"""Where a cell that passes a limit by more than a little, or very far, gets its first rows."""
+LOWERED = np.array([1.00005, 1.0005, 1.0005])
+"""By what their limits of speed, acceleration and jerk are divided: z is smooth between them, its derivatives are less
+so."""
 A_LITTLE, FAR_PASSED, VERY_FAR = 1.0006, 1.001, 1.01
 """Usage from which that is a little, far, and very far."""
 NEIGHBOURS = 3
@@ -207,7 +209,8 @@ def with_further(
                 last = own[one]
             while j < len(place) and place[j] < own[one]:
                 places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1
-            factors[count] = 1.0 + LOWERED if asked[i] >= AT_QUARTERS else 1.0
+            if asked[i] >= AT_QUARTERS:
+                factors[count] = LOWERED
             places[count], count = own[one], count + 1
     while j < len(place):
         places[count], factors[count], count, j = place[j], lowered[j], count + 1, j + 1

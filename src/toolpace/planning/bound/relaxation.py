@@ -25,6 +25,7 @@ from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.problem import Knots, start_within
 from toolpace.planning.mesh.initial_guess import fleeting, highest_of, ramp_time, steady_speed
 from toolpace.planning.optimal.problem import HIGHEST, OnMesh, Problem, discretise, weights
+from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.planned_run import AT_REST, EndState
 
 TOLERANCE = 1e-5
@@ -181,20 +182,32 @@ def standstills(nodes: Floats, marked: npt.NDArray[np.bool_], seconds: Floats) -
 
 
 def bound_run(
-    run: AxisRun, limits: Limits, law: SplineLaw, start: EndState = AT_REST, end: EndState = AT_REST
+    run: AxisRun,
+    limits: Limits,
+    law: SplineLaw,
+    start: EndState = AT_REST,
+    end: EndState = AT_REST,
+    cache: CachedPath | None = None,
 ) -> Bound:
-    """The bound of a run's plan where the problem that the plan solves is no longer at hand."""
-    return lower_bound(problem_of(run, limits, law, start, end), law)
+    """The bound of a run's plan where the problem that the plan solves is no longer at hand.
+
+    `cache`: what is known of the path already.
+    """
+    return lower_bound(problem_of(run, limits, law, start, end, cache), law)
 
 
-def problem_of(run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, end: EndState) -> Problem:
+def problem_of(
+    run: AxisRun, limits: Limits, law: SplineLaw, start: EndState, end: EndState, cache: CachedPath | None = None
+) -> Problem:
     """The problem on the mesh of a law, its limits as they are given."""
     outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
     nodes = np.concatenate([outer[0], law.nodes, outer[1]])
-    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes))
+    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes, cache), cache)
 
 
-def highest_speed(run: AxisRun, limits: Limits, law: SplineLaw, s: Floats) -> float:
+def highest_speed(
+    run: AxisRun, limits: Limits, law: SplineLaw, s: Floats, cache: CachedPath | None = None
+) -> float:
     """The highest z that the limits allow anywhere at steady speed, as seen at s (k,), or that is worth anything.
 
     Where all joints stand limits allow any; a plan's own z is never above.
@@ -202,7 +215,8 @@ def highest_speed(run: AxisRun, limits: Limits, law: SplineLaw, s: Floats) -> fl
     length = run.s1 - run.s0
     z = law.z_at_nodes()
     worth = max(float(z.max()) / HIGHEST, fleeting(length, law.duration))
-    return max(min(highest_of(*steady_speed(run, limits, s), length), worth), float(z[0]), float(z[-1]))
+    steady = highest_of(*steady_speed((cache or run).with_cap, limits, s), length)
+    return max(min(steady, worth), float(z[0]), float(z[-1]))
 
 
 def places_in_time(run: AxisRun, law: SplineLaw, bound: Bound) -> tuple[OpenPlace, ...]:
@@ -242,11 +256,13 @@ def bound_long_run(
     end: EndState = AT_REST,
     workers: Workers | None = None,
     progress: Progress = UNTOLD,
+    cache: CachedPath | None = None,
 ) -> Bound:
-    """The bound of a run's plan; that of a long run from pieces of it, on all cores."""
+    """The bound of a run's plan; that of a long run from pieces of it, on all cores. `cache` is as `bound_run` has it.
+    """
     border, over = borders(law, OVERLAP_RAMPS * min(ramp_time(limits), law.duration))
     if len(border) == 2:
-        return bound_run(run, limits, law, start, end)
+        return bound_run(run, limits, law, start, end, cache)
     joined = JoinedPieces(run, limits, law, (start, end))
 
     def one(k: int) -> int:

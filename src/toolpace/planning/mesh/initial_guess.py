@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,10 @@ UNLIMITED = 1e12
 """z [length of the run squared a second squared] that stands for the highest where no limit gives a scale."""
 CHUNK = 20_000
 """Points of a path that are worked out at a time, to keep memory low."""
+
+
+PathWithCap = Callable[[Floats], tuple[Floats, Floats]]
+"""Path (4, n, joints) and cap (n,) on ds/dt at s (n,), as AxisRun.with_cap tells them."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +76,12 @@ def fleeting(length: float, duration: float) -> float:
     return (length / (FLEETING * duration)) ** 2
 
 
-def steady_speed(run: AxisRun, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
+def steady_speed(with_cap: PathWithCap, limits: Limits, s: Floats) -> tuple[Floats, Floats]:
     """(n,) z that all limits allow at steady speed, and (n,) the most d3s/dt3 they allow at rest."""
     steady, third = np.empty(len(s)), np.empty(len(s))
     for i in range(0, len(s), CHUNK):
         part = s[i : i + CHUNK]
-        steady[i : i + CHUNK], third[i : i + CHUNK] = allowed(limits, *run.with_cap(part))
+        steady[i : i + CHUNK], third[i : i + CHUNK] = allowed(limits, *with_cap(part))
     return steady, third
 
 
@@ -100,7 +105,7 @@ def places(run: AxisRun, limits: Limits, fewest: int) -> int:
         # anywhere in the interval, lest a regular path is met in step
         inside = interval * 0.6180339887498949 % 1.0
         left, right, there = (
-            np.sqrt(steady_speed(run, limits, run.s0 + (run.s1 - run.s0) * (interval + x) / count)[0])
+            np.sqrt(steady_speed(run.with_cap, limits, run.s0 + (run.s1 - run.s0) * (interval + x) / count)[0])
             for x in (0.0, 1.0, inside)
         )
         low, high = np.minimum(left, right) / ROUGH_BY, np.maximum(left, right) * ROUGH_BY

@@ -11,6 +11,7 @@ from toolpace.common.workers import UNTOLD, Progress, Workers
 from toolpace.motion.laws import SplineLaw
 from toolpace.planning.limit_tolerances import ALLOWED, GUARANTEE
 from toolpace.planning.optimal.meshed_run import MeshedRun, too_short, without_undershoot
+from toolpace.planning.optimal.slow_down import SlowDown, closer, slowed_in_place, slowing_factor, worth
 from toolpace.planning.optimal.solve import LIMITS, Stalled, slower
 from toolpace.planning.optimal.windows import mend, solve_run, stretches
 from toolpace.planning.peaks import LimitCheck, Peaks, largest
@@ -46,16 +47,8 @@ be no other motion within the same ones."""
 IDLE = 0.5
 """Share of a limit below which it is not held about a place in another solve: what comes to use more then, the next
 look sees."""
-MOST_EASED = 40
-"""Places that may pass the guarantee for easing to be worth a thought."""
-EASE_BY = 1.05
-"""How far the motion is slowed down about a place, as a multiple of what the place needs."""
-EASE_RAMPS, EASE_SLOPE = 20.0, 5e-6
-"""How far that reaches in ramp times, at least, and most of z that is lost in one: no other limit shall feel it."""
 TOO_SLOW = 0.9
 """Share of z at the limits from which a motion that uses none of them is sped up as a whole."""
-CLOSER_CELLS, CLOSER = 20, 1000
-"""Cells that are looked at again, and how closely: what all is slowed down for shall not hide between probes."""
 
 
 def held_between_nodes(
@@ -74,26 +67,29 @@ def held_between_nodes(
     best: tuple[MeshedRun, SplineLaw, Floats] | None = None
     least, at_nodes = np.inf, law.duration
     for number in range(most_rounds + 1):
-        peaks, now = checked_between_nodes(meshed, law, number, workers)
+        peaks, now, slow = checked_between_nodes(meshed, law, number, workers)
         dips = law.dips()
         if not dips.any() and now <= (1.0 + EASED_BY) * law.duration:
-            gently = slowed_down(meshed.look, law, peaks.used, meshed.ramp, workers)
+            gently = slowed_in_place(meshed.look, law, peaks.used, meshed.ramp, workers, slow)
             if gently is not None:
                 if best is None or gently.duration <= (1.0 + EASED_BY) * least:
                     return gently
                 return at_least_as_fast(gently, *best, workers)
+            slow = None
         if best is None or now < least:
             best, least = (meshed, law, peaks.used), now
         if number == most_rounds or (number == REFINE_ROUNDS and not fixed and least > ASTRAY * at_nodes):
             break
         parts = parts_of_cells(meshed, law, peaks, dips, fixed or number >= REFINE_ROUNDS)
-        if parts.max() == 1 and peaks.used.max() <= ALLOWED:
+        dear = largest(peaks.used) > ALLOWED if slow is None else slow.dear(EASED_BY / 2.0 * law.duration)
+        if parts.max() == 1 and not dear.any():
             break  # z falls in cells too short to be cut: another solve would find the same
-        meshed, c, wrong = cut_and_held(meshed, law, peaks, parts, dips, number)
+        anew = dear | dips | (parts > 1)
+        meshed, c = cut_and_held(meshed, law, peaks, parts, dips, number)
         # how many rounds there will be nobody knows; the first ones take the longest
         halfway = progress.part(1.0 - 0.5**number, 1.0 - 0.5 ** (number + 1))
         try:
-            c = resolve(meshed, c, wrong, float(peaks.used.max()), workers, halfway)
+            c = resolve(meshed, c, np.repeat(anew, parts), float(peaks.used.max()), workers, halfway)
         except Stalled:
             break
         law = SplineLaw(meshed.nodes, c, meshed.rest)
@@ -126,21 +122,25 @@ def at_least_as_fast(held: SplineLaw, meshed: MeshedRun, law: SplineLaw, used: F
     return held
 
 
-def checked_between_nodes(meshed: MeshedRun, law: SplineLaw, number: int, workers: Workers) -> tuple[Peaks, float]:
-    """The peaks of a law, and about how long it takes once it is slowed down for the guarantee [s].
+def checked_between_nodes(
+    meshed: MeshedRun, law: SplineLaw, number: int, workers: Workers
+) -> tuple[Peaks, float, SlowDown | None]:
+    """The peaks of a law, about how long it takes once it is slowed down for the guarantee [s], and how if in place.
 
     One that is good enough to be the last is worth a closer look. Cells are cut in the first rounds only: nothing may
     hide from them.
     """
     peaks = meshed.look.peaks(law, workers)
-    now = worth(law, peaks.used, meshed.ramp)
+    now, slow = worth(meshed.look, law, peaks.used, meshed.ramp)
     if now <= (1.0 + EASED_BY) * law.duration:
         closer = meshed.look.confirmed(law, peaks, workers)
     elif number < REFINE_ROUNDS:
         closer = meshed.look.with_hidden(law, peaks)
     else:
         closer = peaks
-    return closer, now if closer is peaks else worth(law, closer.used, meshed.ramp)
+    if closer is not peaks:
+        now, slow = worth(meshed.look, law, closer.used, meshed.ramp)
+    return closer, now, slow
 
 
 def parts_of_cells(meshed: MeshedRun, law: SplineLaw, peaks: Peaks, dips: Bools, kept: bool) -> Ints:
@@ -152,10 +152,10 @@ def parts_of_cells(meshed: MeshedRun, law: SplineLaw, peaks: Peaks, dips: Bools,
 
 def cut_and_held(
     meshed: MeshedRun, law: SplineLaw, peaks: Peaks, parts: Ints, dips: Bools, number: int
-) -> tuple[MeshedRun, Floats, Bools]:
+) -> tuple[MeshedRun, Floats]:
     """The run with its cells cut in so many parts (cells,), and rows where those pass a limit that are not.
 
-    Returns with it the coefficients of the same law, and which cells are wrong.
+    Returns with it the coefficients of the same law.
     """
     meshed, c = meshed.cut(law, parts)
     wrong = np.repeat((largest(peaks.used) > ALLOWED) | dips, parts)
@@ -163,7 +163,7 @@ def cut_and_held(
     fresh = np.repeat(parts > 1, parts)
     urge = min(URGE ** max(number - PATIENCE, 0), MOST_URGE)
     meshed.hold(Peaks(used, np.repeat(peaks.place, parts, axis=0)), wrong, fresh, urge)
-    return meshed, c, wrong
+    return meshed, c
 
 
 def halves(used: Floats) -> Ints:
@@ -209,79 +209,10 @@ def within_guarantee(meshed: MeshedRun, law: SplineLaw, peak: Floats, workers: W
         return law.slowed(closer(look, law, peak, workers)) if unused else law
     finite = bool(np.isfinite(peak).all())
     slowed = law.slowed(max(1.0, closer(look, law, peak, workers))) if finite and rests else None
-    gently = slowed_down(look, law, peak, meshed.ramp, workers) if finite else None
+    gently = slowed_in_place(look, law, peak, meshed.ramp, workers) if finite else None
     if gently is not None and (slowed is None or gently.duration < slowed.duration):
         return gently
     if slowed is None:
         cell, kind = divmod(int(np.nan_to_num(peak, nan=np.inf).argmax()), peak.shape[1])
         raise Stalled(float(law.nodes[cell]), LIMITS[kind])
     return slowed
-
-
-def slowed_down(look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, workers: Workers) -> SplineLaw | None:
-    """The law slowed down about its peaks (cells, 3) above the guarantee; None where that is not enough."""
-    if peak.max() <= GUARANTEE:
-        return law
-    gently = SplineLaw(law.nodes, law.c * easing(law, peak, ramp), law.rest)
-    if gently.dips().any():
-        return None
-    found = look.confirmed(gently, look.peaks(gently, workers), workers)
-    return gently if found.used.max() <= GUARANTEE else None
-
-
-def closer(look: LimitCheck, law: SplineLaw, peak: Floats, workers: Workers) -> float:
-    """By how much z must be divided as the cells with the highest peaks (cells, 3) show that are looked at closely."""
-    used = np.stack([peak[:, 0] ** 2, peak[:, 1], peak[:, 2] ** (2.0 / 3.0)], axis=1).max(axis=1)
-    highest = np.argsort(-used)[:CLOSER_CELLS]
-    fine = SplineLaw(law.nodes, law.c, law.rest)
-    fine.inside = np.linspace(0.0, 1.0, CLOSER)
-    return max(slowing_factor(peak), slowing_factor(look.peaks_in(fine, highest, workers).used))
-
-
-def slowing_factor(peak: Floats) -> float:
-    """By how much z must be divided for the peaks (cells, 3) of speed, acceleration and jerk to come to 1."""
-    speed, acceleration, jerk = (kind.max() for kind in peak.T)
-    return float(max(speed**2, acceleration, jerk ** (2.0 / 3.0)))
-
-
-def slowing(peak: Floats) -> float:
-    """The same, where anything must be slowed down; else 1."""
-    return max(1.0, slowing_factor(peak))
-
-
-def worth(law: SplineLaw, peak: Floats, ramp: float) -> float:
-    """About how long the motion takes once it is slowed down for the guarantee [s]."""
-    whole = law.duration * float(np.sqrt(slowing(peak)))
-    if not np.isfinite(whole) or np.count_nonzero(largest(peak) > GUARANTEE) > MOST_EASED:
-        return whole
-    left = easing(law, peak, ramp)[1:-1]
-    return min(whole, law.duration + float(np.diff(law.times) @ (1.0 / np.sqrt(left[1:]) - 1.0)))
-
-
-def easing(law: SplineLaw, peak: Floats, ramp: float) -> Floats:
-    """Shares of the coefficients that are left about the places above the guarantee; all of them at moving ends."""
-    clock = np.concatenate([law.times[:1], law.times, law.times[-1:]])
-    left = np.ones(len(clock))
-    groups: list[tuple[float, float, float]] = []
-    for cell in np.flatnonzero(largest(peak) > GUARANTEE):
-        begin, end = law.times[cell], law.times[cell + 1]
-        loss = 1.0 - 1.0 / (1.0 + EASE_BY * (slowing(peak[cell : cell + 1]) - 1.0))
-        # one that reaches into the one before is slowed down together with it
-        while groups and begin - ramp * ease_ramps(loss) < groups[-1][1] + ramp * ease_ramps(groups[-1][2]):
-            begin, loss = min(begin, groups[-1][0]), max(loss, groups[-1][2])
-            groups.pop()
-        groups.append((begin, end, loss))
-    for begin, end, loss in groups:
-        width = ramp * ease_ramps(loss)
-        low, high = np.searchsorted(clock, [begin - width, end + width])
-        far = np.maximum(begin - clock[low:high], clock[low:high] - end)
-        near = np.clip((width - far) / (width - ramp), 0.0, 1.0)
-        left[low:high] = 1.0 - loss * near * near * (3.0 - 2.0 * near)
-    left[:2] = 1.0 if law.rest[0] == 0.0 else left[:2].min()
-    left[-2:] = 1.0 if law.rest[1] == 0.0 else left[-2:].min()
-    return left
-
-
-def ease_ramps(loss: float) -> float:
-    """Ramp times in which so much of z is lost and won."""
-    return max(EASE_RAMPS, loss / EASE_SLOPE)

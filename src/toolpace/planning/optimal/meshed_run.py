@@ -76,11 +76,13 @@ class MeshedRun(OnMesh):
 
     @classmethod
     def after_guess(
-        cls, run: AxisRun, limits: Limits, nodes: Floats, ends: tuple[EndState, EndState], rough: Guess
-    ) -> MeshedRun:
+        cls, run: AxisRun, limits: Limits, nodes: Floats, ends: tuple[EndState, EndState], rough: Guess,
+        cache: CachedPath | None = None,
+    ) -> MeshedRun:  # fmt: skip
         """The run on these nodes, before anything is known of it but a first idea of its motion."""
         highest = max(rough.highest, ends[0].speed ** 2, ends[1].speed ** 2)
-        return cls(run, limits, nodes, ends, highest, (rough.s, rough.t), min(ramp_time(limits), rough.t[-1]))
+        ramp = min(ramp_time(limits), rough.t[-1])
+        return cls(run, limits, nodes, ends, highest, (rough.s, rough.t), ramp, cache)
 
     @property
     def is_long(self) -> bool:

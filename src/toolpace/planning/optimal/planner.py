@@ -33,6 +33,7 @@ from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.options import Options, check_flag, check_mesh
+from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, check_state
 
 START_SHARE = 0.4
@@ -68,10 +69,11 @@ class Optimal(Options):
         """The fastest law of one run. Raises InfeasibleError where no motion within the limits joins both states."""
         part = progress.part(0.0, GUARDED) if self.bound else progress
         fixed = self.mesh is not None
-        law, at_nodes = held_law(run, limits, self.mesh, start, end, self.guard, workers, part)
+        cache = CachedPath(run)
+        law, at_nodes = held_law(run, limits, self.mesh, start, end, self.guard, workers, part, cache=cache)
         if not self.bound and (fixed or law.duration <= (1.0 + FAR) * at_nodes):
             return PlannedRun(law, mesh_points(law))
-        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED))
+        bound = bound_long_run(run, limits, law, start, end, workers, progress.part(GUARDED, BOUNDED), cache)
         first = Plan(law, bound)
 
         def with_cells(cells: int) -> SplineLaw:
@@ -117,12 +119,16 @@ def held_law(
     workers: Workers,
     progress: Progress = UNTOLD,
     most_rounds: int = MOST_ROUNDS,
+    cache: CachedPath | None = None,
 ) -> tuple[SplineLaw, float]:
-    """The fastest law, as `fastest_law` has it, and the duration of that with limits held at the nodes only [s]."""
+    """The fastest law, as `fastest_law` has it, and the duration of that with limits held at the nodes only [s].
+
+    `cache` keeps what is learnt of the path.
+    """
     check_state(run, limits, start, run.s0)
     check_state(run, limits, end, run.s1)
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), cells)
-    meshed = MeshedRun.after_guess(run, limits, nodes, (start, end), rough)
+    meshed = MeshedRun.after_guess(run, limits, nodes, (start, end), rough, cache)
     progress(MESHED)
     try:
         begin = start_from(meshed, rough.s, rough.z, START_SHARE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -139,7 +140,7 @@ def discretise(
     half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
-            cap[place] = min(cap[place], rest_cap(run, limits, inner[place], rest[k], forth=k == 0))
+            cap[place] = min(cap[place], cached_rest_cap(run, limits, inner[place], rest[k], k == 0, cache))
         else:
             # what the state fixes has been checked and is no row; acceleration further on is not fixed
             here = node == node[place]
@@ -171,16 +172,20 @@ def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Fl
         return problem
     cap, _, rows = rows_at(run, limits, places, np.zeros(len(places)))
     cell = np.searchsorted(problem.nodes, places, side="right") - 1
-    inside = np.concatenate([problem.inside, np.ones(len(places), dtype=np.bool_)])
-    order = limit_rows.order_with(problem.node, problem.inside, problem.place, cell, places)
+    is_new = limit_rows.order_with(problem.node, problem.inside, problem.place, cell, places) >= len(problem.node)
+    at, at_new = np.flatnonzero(~is_new), np.flatnonzero(is_new)
+
+    def merged(old: npt.NDArray[Any], new: npt.NDArray[Any] | bool) -> npt.NDArray[Any]:
+        out = np.empty((len(is_new), *old.shape[1:]), dtype=old.dtype)
+        out[at], out[at_new] = old, new
+        return out
+
     more = copy(problem)
-    more.node = np.concatenate([problem.node, cell])[order]
-    more.inside, more.place = inside[order], np.concatenate([problem.place, places])[order]
-    more.first = np.concatenate([problem.first, cell])[order]
-    basis = cubic_spline.basis_between(problem.nodes, cell, places)
-    more.basis = np.concatenate([problem.basis, basis]).take(order, axis=0)
-    more.cap = np.concatenate([problem.cap, np.minimum(cap, problem.most)])[order]
-    more.rows = np.concatenate([problem.rows, rows]).take(order, axis=0)
+    more.node, more.first = merged(problem.node, cell), merged(problem.first, cell)
+    more.inside, more.place = merged(problem.inside, True), merged(problem.place, places)
+    more.basis = merged(problem.basis, cubic_spline.basis_between(problem.nodes, cell, places))
+    more.cap = merged(problem.cap, np.minimum(cap, problem.most))
+    more.rows = merged(problem.rows, rows)
     # both sides of a break are one place
     new = np.concatenate([[True], np.diff(more.place) > 0.0])
     own = np.cumsum(new) - 1
@@ -218,6 +223,18 @@ def sides(nodes: Floats, breaks: Floats) -> tuple[Ints, Floats, npt.NDArray[np.b
     order = np.argsort(node, kind="stable")
     node = node[order]
     return node, point[order], np.concatenate([node[1:] == node[:-1], [False]])
+
+
+def cached_rest_cap(
+    run: AxisRun, limits: Limits, node: float, length: float, forth: bool, cache: CachedPath | None
+) -> float:
+    """As `rest_cap`, which is worked out once for each such cell of a run."""
+    if cache is None:
+        return rest_cap(run, limits, node, length, forth)
+    cell = float(node), -length if forth else length
+    if cell not in cache.rest_caps:
+        cache.rest_caps[cell] = rest_cap(run, limits, node, length, forth)
+    return cache.rest_caps[cell]
 
 
 def rest_cap(run: AxisRun, limits: Limits, node: float, length: float, forth: bool) -> float:

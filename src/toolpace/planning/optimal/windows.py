@@ -19,6 +19,8 @@ LEAST_LEFT = 0.7
 """Least share of a coefficient that mending leaves: limits move by little, and so must the motion."""
 WIDER, MUCH_WIDER = 10.0, 70.0
 """How much wider a stretch is made that finds no way; and again, on a long run."""
+WORTH_A_THREAD = 2_000
+"""Nodes of all stretches together up to which one thread solves them: in as much time another has hardly begun."""
 WINDOW = 8_000
 """Nodes that are solved in one piece, unless what joins two pieces would be wider."""
 SEAM_RAMPS = 60.0
@@ -116,14 +118,18 @@ def mend(
     """
     out = c.copy()
 
-    def one(part: Stretch) -> Stretch | None:
-        try:
-            mend_one(meshed, c, out, part, loss, spread, least, give, idle, once=True)
-        except Stalled:
-            return part
-        return None
+    def stuck_among(some: list[Stretch]) -> list[Stretch]:
+        found = []
+        for part in some:
+            try:
+                mend_one(meshed, c, out, part, loss, spread, least, give, idle, once=True)
+            except Stalled:
+                found.append(part)
+        return found
 
-    stuck = [part for part in workers.each(one, parts, progress) if part is not None]
+    few = sum(part.high - part.low for part in parts) <= WORTH_A_THREAD
+    shares = [parts] if few else [[part] for part in parts]
+    stuck = [part for found in workers.each(stuck_among, shares, progress) for part in found]
     for wide in (WIDER * MEND_RAMPS, MUCH_WIDER * MEND_RAMPS):
         if not stuck or (wide > WIDER * MEND_RAMPS and not meshed.is_long):
             break
