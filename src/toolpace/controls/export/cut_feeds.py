@@ -37,8 +37,10 @@ SHORTEST_PIECE = 2e-3
 """Of a block that is divided [m]."""
 WORTH = 0.2
 """Time that dividing a block gains at least [s]."""
-CLOSE = 1e-6
-"""Share by which a feed that is read back may be above the planned one: rounding of the way."""
+ROUND = 1e-6
+"""Share by which a value may be below a round one, and is taken for it: coordinates of pieces are rounded."""
+CLOSE = 2e-6
+"""Share by which a feed that is read back may be above the planned one: that, and rounding of the way."""
 
 
 @dataclass(frozen=True)
@@ -95,8 +97,7 @@ def with_cut_feeds(
 def rounded_down(value: float) -> str:
     """A feed in DIGITS significant figures, not above the value."""
     decimals = DIGITS - 1 - int(np.floor(np.log10(value)))
-    # a value that is a round one but for rounding stays it
-    text = f"{np.floor(value * 10.0**decimals * (1.0 + 1e-9)) / 10.0**decimals:.{max(decimals, 0)}f}"
+    text = f"{np.floor(value * 10.0**decimals * (1.0 + ROUND)) / 10.0**decimals:.{max(decimals, 0)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
