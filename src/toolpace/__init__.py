@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.uncertainty import FigureEffect, TimeRange
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
-    from toolpace.cutting.forces import CuttingForces
+    from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
+    from toolpace.cutting.forces.fixed_engagement import CuttingForces
+    from toolpace.cutting.forces.material import Material
     from toolpace.cutting.simulation import simulate_cut
     from toolpace.cutting.simulation.findings import Finding
     from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut
@@ -95,12 +97,14 @@ __all__ = [
     "Coefficients",
     "Controller",
     "Cut",
+    "CutLoads",
     "CutSimulation",
     "CutStretch",
     "Cutter",
     "CuttingForces",
     "CuttingTool",
     "EndState",
+    "EngagedForces",
     "Engagement",
     "ExceededLimit",
     "Exported",
@@ -116,6 +120,7 @@ __all__ = [
     "Limits",
     "Machine",
     "MachineFile",
+    "Material",
     "Measurement",
     "Motion",
     "OpenPlace",
@@ -202,12 +207,14 @@ _HOME = {
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
     "Cut": "machine.cutting_tool",
+    "CutLoads": "cutting.forces.engaged",
     "CutSimulation": "cutting.simulation.simulate",
     "CutStretch": "cutting.simulation.operation_cut",
     "Cutter": "machine.cutting_tool",
-    "CuttingForces": "cutting.forces",
+    "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.planned_run",
+    "EngagedForces": "cutting.forces.engaged",
     "Engagement": "machine.cutting_tool",
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
@@ -223,6 +230,7 @@ _HOME = {
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
+    "Material": "cutting.forces.material",
     "Measurement": "deflection.following",
     "Motion": "motion",
     "OpenPlace": "motion.trajectory",

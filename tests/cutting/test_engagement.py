@@ -164,6 +164,14 @@ def test_stations_far_apart_are_cut_like_close_ones():
     assert found.removed[1] == pytest.approx(found.removed.sum())
 
 
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_a_tool_that_stays_has_no_arcs(count):
+    stock = DexelStock.box(LOW, HIGH, 4e-4)
+    found = stock.cut(ToolProfile.of(tool("ball")), stations(np.tile([[0.0, 0.0, -0.002]], (count, 1))))
+    assert len(found.first_arc) == count + 1 and len(found.entry) == 0
+    assert (found.removed > 0.0).tolist() == [k == 0 for k in range(count)]
+
+
 def random_scene(seed: int) -> Scene:
     """A tool that turns while it goes a curved way through a block that it has cut before."""
     random = np.random.default_rng(seed)

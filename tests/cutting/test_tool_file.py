@@ -44,6 +44,13 @@ def test_figures_come_with_their_units():
     assert repr(tool) == "<CuttingTool 4 mm, 2 teeth, down>"
 
 
+def test_a_material_stands_in_for_the_coefficients_that_the_file_leaves_out():
+    text = TOOL_FILE.replace('Ktc = "800MPa"', 'material = "Al7075-T6"\ncutter = "HSS"')
+    found, material = read(text).cut.coefficients, tp.Material.load("Al7075-T6", "HSS").coefficients
+    assert found.tangential == material.tangential and found.axial_edge == material.axial_edge
+    assert found.radial == 300e6 and found.tangential_edge == 15e3
+
+
 def test_runout_is_what_a_dial_shows():
     assert read(TOOL_FILE.replace("teeth = 2", 'teeth = 2\nrunout = "6um"')).cut.cutter.runout == 3e-6
 
@@ -107,6 +114,10 @@ def test_operations_have_cuts_of_their_own():
         ('milling = "down"', 'milling = "none"', "nothing cuts"),
         ('radial_depth = "0.15mm"', 'radial_depth = "5mm"', "more than the diameter of 4 mm"),
         ('radial_depth = "0.15mm"', "", "radial_depth is missing"),
+        ('Ktc = "800MPa"', "material = 3", "material and cutter are words"),
+        ('Ktc = "800MPa"', 'cutter = "HSS"', "material and cutter are words"),
+        ('Ktc = "800MPa"', 'material = "Al7057-T6"', r"\[cutting\] material: material 'Al7057-T6' is not known"),
+        ('Ktc = "800MPa"', 'material = "own.toml"', "is a file; write its coefficients here"),
         ("[engagement]", "[engagement]\noperations = 3", "operations is not a table"),
         ("[engagement]", "[engagement]\noperations = {A = 3}", r"operations.A\] = 3 is not a table"),
         ("teeth = 2", 'teeth = 2\nrunout = "3mm"', "runout of 1500 mm|runout of 1.5 mm"),

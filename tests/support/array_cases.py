@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 import toolpace as tp
+from tests.support.engagements import shoulder
+from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
@@ -46,6 +48,9 @@ CUT = tp.Cut(
     tp.Engagement("down", 0.003, 0.004), 200.0,
 )  # fmt: skip
 FORCES = tp.CuttingForces(CUT)
+ENGAGED = tp.EngagedForces(
+    shoulder(1e-3, 0.0, 1.0, slices=2, stations=len(LINES)), ToolFigures("flat", 0.01, teeth=2), CUT.coefficients, 200.0
+)
 BENDING = tp.Bending(np.diag([1e-7, 1e-7, 2e-8]))
 KNOTS = np.array([0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0])
 CONTROL = f32(RNG.uniform(0.0, 0.1, (5, 3)))
@@ -153,6 +158,20 @@ CASES: dict[str, Case] = {
     "CuttingForces.at: angle": Case(lambda x: FORCES.at(x, 1e-5), LINES, "angle"),
     "CuttingForces.over_time: t": Case(lambda x: FORCES.over_time(x, 0.02), LINES, "t"),
     "CuttingForces.feed_per_tooth: speed": Case(FORCES.feed_per_tooth, LINES, "speed"),
+    "EngagedForces.loads: speed": Case(ENGAGED.loads, LINES, "speed"),
+    "EngagedForces.loads: turning": Case(
+        lambda x: ENGAGED.loads(LINES, x), f32(1e-3 * np.stack([LINES, LINES], axis=1)), "turning", optional=True
+    ),
+    "EngagedForces.over_turn: stations": Case(
+        lambda x: ENGAGED.over_turn(x, LINES), np.arange(float(len(LINES))), "stations"
+    ),
+    "EngagedForces.over_turn: speed": Case(lambda x: ENGAGED.over_turn([0], x), LINES, "speed"),
+    "EngagedForces.over_turn: turning": Case(
+        lambda x: ENGAGED.over_turn([0], LINES, x),
+        f32(1e-3 * np.stack([LINES, LINES], axis=1)),
+        "turning",
+        optional=True,
+    ),
     "CuttingForces.feed_forward: chip": Case(FORCES.feed_forward, f32(1e-5 * LINES), "chip"),
     "Clamping.on: centre": Case(lambda x: tp.Clamping(0.5).on(M, x), f32([0.1, 0.2, 0.3]), "centre"),
     "Zone.entered: q": Case(lambda x: ZONE.entered(M.joints, x), POSES, "q"),

@@ -22,7 +22,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.cutting.compliance import tool_to_workpiece
-from toolpace.cutting.forces import CuttingForces
+from toolpace.cutting.forces.fixed_engagement import CuttingForces
 from toolpace.machine.cutting_tool import Cut, CuttingTool
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory

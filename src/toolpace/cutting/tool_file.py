@@ -2,7 +2,7 @@
 
     [tool]         diameter, teeth; helix, stick_out, runout, runout_angle, only
     [bending]      youngs_modulus (and diameter), or stiffness, or compliance; blend
-    [cutting]      spindle_speed, Ktc, Krc; Kac, Kte, Kre, Kae, spindle, force
+    [cutting]      spindle_speed, Ktc, Krc (or material, cutter); Kac, Kte, Kre, Kae, spindle, force
     [engagement]   milling, axial_depth, radial_depth; the same under [engagement.operations.NAME]
 
 docs/design/bending.md says what each means.
@@ -21,6 +21,7 @@ from toolpace.common import units
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile, Tables
 from toolpace.cutting.compliance import Bending
+from toolpace.cutting.forces.material import Material
 from toolpace.machine.cutting_tool import (
     FORCES,
     MILLINGS,
@@ -44,7 +45,7 @@ PARTS = ("tool", "bending", "cutting", "engagement")
 KEYS = {
     "tool": ("diameter", "teeth", "helix", "stick_out", "runout", "runout_angle", "only"),
     "bending": ("youngs_modulus", "diameter", "stiffness", "compliance", "blend"),
-    "cutting": ("spindle_speed", "Ktc", "Krc", "Kac", "Kte", "Kre", "Kae", "spindle", "force"),
+    "cutting": ("spindle_speed", "material", "cutter", "Ktc", "Krc", "Kac", "Kte", "Kre", "Kae", "spindle", "force"),
     "engagement": ("milling", "axial_depth", "radial_depth", "operations"),
 }
 Table = Mapping[str, object]
@@ -164,19 +165,44 @@ class _File(Tables):
         if engagement is None:
             self.fail("[engagement]", 'milling = "none" says that nothing cuts; write how most operations do')
 
-        def edge(key: str) -> float:
-            return self.quantity("[cutting]", cutting, key, units.parse_edge_force, "25N/mm", 0.0)
+        known = self.material(cutting)
 
-        def chip(key: str, usual: float | None = None) -> float:
+        def edge(key: str, usual: float) -> float:
+            return self.quantity("[cutting]", cutting, key, units.parse_edge_force, "25N/mm", usual)
+
+        def chip(key: str, usual: float | None) -> float:
             return self.quantity("[cutting]", cutting, key, units.parse_pressure, "1800MPa", usual)
 
+        coefficients = Coefficients(
+            chip("Ktc", known.tangential if known else None),
+            chip("Krc", known.radial if known else None),
+            chip("Kac", known.axial if known else 0.0),
+            edge("Kte", known.tangential_edge if known else 0.0),
+            edge("Kre", known.radial_edge if known else 0.0),
+            edge("Kae", known.axial_edge if known else 0.0),
+        )
         return Cut(
             cutter,
-            Coefficients(chip("Ktc"), chip("Krc"), chip("Kac", 0.0), edge("Kte"), edge("Kre"), edge("Kae")),
+            coefficients,
             engagement,
             self.quantity("[cutting]", cutting, "spindle_speed", units.parse_spindle_speed, "18000rpm"),
             self.word("[cutting]", cutting, "spindle", SPINDLES, SPINDLES[0]) == SPINDLES[0],
         )
+
+    def material(self, cutting: Table) -> Coefficients | None:
+        """The coefficients of a material that the file names; what else it states takes their place."""
+        name, cutter = cutting.get("material"), cutting.get("cutter", "")
+        if name is None and not cutter:
+            return None
+        if not isinstance(name, str) or not isinstance(cutter, str):
+            self.fail("[cutting]", 'material and cutter are words; write them like material = "Al7075-T6"')
+        if name.endswith(".toml"):
+            # a copy of this file alone is kept with a plan
+            self.fail("[cutting]", f"material = {name!r:.40} is a file; write its coefficients here")
+        try:
+            return Material.load(name, cutter).coefficients
+        except UsageError as error:
+            self.fail("[cutting]", f"material: {error}")
 
     def operations(self, engagement: Table, cutting: Table, cutter: Cutter, tool: Table) -> dict[str, Cut | None]:
         """By name; what a table does not say is as in all other operations."""

@@ -110,7 +110,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
             done = cut_along(
                 stock.field, profile.cutting, above, slices, poses, found, arcs, progress, cell, least, until
             )
-    stock.content = before - float(found.removed.sum())
+    stock.content = max(before - float(found.removed.sum()), 0.0)
     used = int(progress[ARCS])
     return Engagement(
         slice_height=height,
@@ -150,6 +150,8 @@ def feed_frames(tip: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tuple[Floats, Floats, Floats, Ints, Ints]:
     """Poses close enough to be cut one after the other: tip, axis, way, station of each, and whether it is one."""
+    if not len(tip):
+        return tip, axis, np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int64)
     step, turn = np.diff(tip, axis=0), np.diff(axis, axis=0)
     most = np.maximum(
         np.linalg.norm(step, axis=1), np.linalg.norm(step + profile.length * turn, axis=1)

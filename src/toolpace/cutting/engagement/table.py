@@ -1,6 +1,6 @@
 """The engagement of a tool along a motion: at each station, the arcs of each slice of the tool that are in material.
 
-Angles as in cutting/forces.py: phi is measured at the tool axis, seen from the spindle, from the normal on the left of
+Angles as in cutting/forces: phi is measured at the tool axis, seen from the spindle, from the normal on the left of
 the feed, clockwise; 90 degrees is straight ahead. The feed is the motion of the tip from the station before, across the
 axis; where the tool moves along its axis only (ACROSS), the last feed across it stands in, at first the frame's x.
 """

@@ -1,0 +1,1 @@
+"""Force coefficients of materials: data, see cutting/forces/material.py."""
