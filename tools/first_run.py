@@ -21,12 +21,27 @@ if TYPE_CHECKING:
 
 MACHINE = "xyzac-trunnion"
 PROGRAM = """G21 G90 G54
+T1 M6
 G43.4 H1
 G1 X10 Y0 Z10 A0 C0 F1000
 X20 Y5
 X30 Y5 A5
 X40 Y0
 M30
+"""
+
+
+SHEET = """[stock]
+box = [[0, -20, -20], [60, 40, 5]]
+uncertainty = 0.3
+[tools.1]
+kind = "flat"
+diameter = 10
+flute_length = 20
+teeth = 3
+stick_out = 40
+spindle_speed = 6000
+material = "carbide"
 """
 
 
@@ -96,7 +111,7 @@ def compiled_now() -> dict[str, list[Text]]:
 
 
 def run_other_commands(folder: Path) -> None:
-    """Run what people use besides `plan`: other planners, the time of a control, a search of set-ups, a follower."""
+    """Run what people use besides `plan`: other planners, times of controls, set-ups, a follower, feeds by the cut."""
     import toolpace as tp
     from toolpace.cli import main as toolpace
 
@@ -109,6 +124,9 @@ def run_other_commands(folder: Path) -> None:
     toolpace(["setup", *on_machine, "--trials", "20", "--workers", "0", "--out", str(folder / "setup")])
     toolpace(["plan", *on_machine, "--out", str(planned)])
     tp.Follower.from_folder(planned, reserve=0.1).step()
+    sheet = folder / "setup.toml"
+    sheet.write_text(SHEET, "ascii")
+    toolpace(["feeds", *on_machine, "--setup", str(sheet), "--feeds", "learned", "--resolution", "1mm"])
 
 
 if __name__ == "__main__":
