@@ -13,13 +13,13 @@ from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
 from toolpace.cutting.engagement.table import Engagement
-from toolpace.cutting.feeds.feed_plan import FeedRules, plan_feeds
+from toolpace.cutting.feeds.feed_plan import FeedPlan, FeedRules, plan_feeds
 from toolpace.cutting.feeds.learned import learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.schedule import Places, Steps, over_window, own_feeds, stepped, with_feeds
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.machine.cutting_tool import Coefficients
-from toolpace.programs.reading import ReadOptions, Source
+from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
 
@@ -231,6 +231,78 @@ def test_the_program_with_new_feeds_reads_back(cut, name):
     assert {round(60e3 * each) for each in again.feed[feeding][1:]} >= {600}
     assert again.feed[feeding].max() > 0.09
     assert np.allclose(again.tip[-1], toolpath.tip[-1])
+
+
+def changed(text, controller, wanted, machine="xyzac-trunnion"):
+    """A program with `wanted` feeds by line [m/s], others as they are: the path before, and what is written."""
+    machine = tp.Machine.load(machine)
+    source = Source.from_bytes(text.encode(), "part.nc")
+    options = ReadOptions(controller=tp.Controller.load(controller), setup=setup_of_text(SHEET))
+    toolpath = tp.read_text(text, machine, controller=controller, setup=options.setup)
+    own = own_feeds(toolpath)
+    feeds = np.array([wanted.get(line, feed) for line, feed in zip(toolpath.block.tolist(), own.tolist())])
+    feeds[~np.isfinite(feeds)] = 0.0
+    at = Places(np.arange(len(toolpath), dtype=float), np.cumsum(toolpath.way_length))
+    return toolpath, with_cut_feeds(source, machine, None, options, toolpath, FeedPlan((at,), (feeds,), ()))
+
+
+IN_TOOL_CALL = "BEGIN PGM A MM\nTOOL CALL 1 Z S6000 F500\nL X-30 Y0 Z20 FMAX M3\nL X-20\nL X90\nEND PGM A MM\n"
+IN_SUBPROGRAM = """G21 G90 G54 G17
+G0 X0 Y0 Z0
+G1 X10 F900
+M98 P100
+G1 X30
+M98 P100
+M30
+O100
+G91 G1 Y5
+G1 Y5 F200
+G90
+M99
+"""
+
+
+@pytest.mark.parametrize(
+    "text, controller, wanted",
+    [(IN_TOOL_CALL, "heidenhain", {4: 0.1}), (IN_SUBPROGRAM, "fanuc", {5: 0.1}), (IN_SUBPROGRAM, "fanuc", {3: 0.1})],
+)
+def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
+    before, written = changed(text, controller, wanted)
+    old, new = own_feeds(before), own_feeds(written.toolpath)
+    other = ~np.isin(before.block, list(wanted))
+    assert np.allclose(new[other], old[other])
+
+
+def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
+    text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
+    machine = tp.Machine.load("xyzac-trunnion")
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    own, block = own_feeds(toolpath), toolpath.block == 3
+    assert own[block].max() > 1.5 * own[block].min()
+    # where the tip is slow it is in air, else the program's feed is the most
+    feeds = np.where(block & (own < np.quantile(own[block], 0.9)), 10.0 * own, np.where(np.isfinite(own), own, 0.0))
+    plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
+    options = ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
+    assert (own_feeds(written.toolpath)[block] <= feeds[block] * (1.0 + 1e-6)).all()
+
+
+def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nG1 X60\nM30\n"
+    _, written = changed(text, "linuxcnc", {3: 0.97 / 60.0})
+    assert "G1 X30 F970\nF1000" in written.data.decode() and written.above == ()
+    text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
+    _, written = changed(text, "linuxcnc", {5: 0.01})
+    assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
+
+
+def test_a_table_of_points_is_refused_in_its_own_words():
+    text = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n0,0,0,0,0,1,600\n50,0,0,0,0,1,600\n90,0,0,0,0,1,600\n"
+    machine = tp.Machine.load("xyzac-trunnion")
+    source = Source.from_bytes(text.encode(), "a.csv")
+    with pytest.raises(UsageError, match="feeds: a table of points"):
+        toolpath = read_source(source, machine, None, ReadOptions())
+        with_cut_feeds(source, machine, None, ReadOptions(), toolpath, FeedPlan((), (), ()))
 
 
 def test_feeds_are_rounded_down():

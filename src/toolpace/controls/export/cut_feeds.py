@@ -3,23 +3,25 @@
     of each block the feeds on its way      one that hardly changes keeps its text
     one feed a block                        the lowest on its way
     pieces of a block                       where it is long, straight, and the time they gain is worth them
-    written, and read back                  the same path, and feeds no higher than planned
+    written, and read back                  the same path, feeds no higher than planned, those of other blocks as before
 
 What an F means is not worked out here: the program is read with one F everywhere, and its time tells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
-from toolpace.common.errors import VerificationError
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
-from toolpace.controls.export.planned_feeds import CUT, PROBE, Job, strays
+from toolpace.controls.export.planned_feeds import CUT, PROBE, Job, change_of_kept, in_old_blocks, strays
 from toolpace.controls.export.program import Places as TextPlaces
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewritten
 from toolpace.cutting.feeds.feed_plan import FeedPlan
@@ -30,7 +32,7 @@ from toolpace.programs.reading.languages import recognised
 from toolpace.programs.toolpath import ToolPath
 
 LEAST_CHANGE = 0.05
-"""Share by which a feed changes at least, to be written."""
+"""Share by which a feed is raised at least, to be written; one that is lowered always is."""
 DIGITS = 3
 """Significant figures of an F: rounded down."""
 SHORTEST_PIECE = 2e-3
@@ -41,6 +43,14 @@ ROUND = 1e-6
 """Share by which a value may be below a round one, and is taken for it: coordinates of pieces are rounded."""
 CLOSE = 2e-6
 """Share by which a feed that is read back may be above the planned one: that, and rounding of the way."""
+NEAR = 2e-6
+"""Way over which two pieces may overlap by rounding [m]."""
+SAME = 1e-9
+"""Share by which the time of a block that keeps its text may differ: rounding."""
+
+
+Divisions = Mapping[int, tuple[Floats, list[str]]]
+"""Line to the shares of its way at which it is divided, and the text of the pieces before the last."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +65,8 @@ class FeedProgram:
     """Blocks whose feed changed."""
     divided: int
     """Blocks that were divided."""
+    above: tuple[int, ...] = ()
+    """Lines that keep a feed above the planned one, since their motions have no single F."""
 
 
 def with_cut_feeds(
@@ -72,26 +84,57 @@ def with_cut_feeds(
     feeds = _BlockFeeds(toolpath, passes, plan)
     found = recognised(source, dialect, options)
     language = found.controller.language if found.controller is not None else found.dialect
-    shares = feeds.divided(source) if divide and language in CUT and language in LANGUAGES else {}
+    if language not in LANGUAGES:
+        raise UsageError("feeds: a table of points has no blocks that could bear an F; give a program")
+    shares = feeds.divided(source) if divide and language in CUT else {}
     times = feeds.times(shares)
-    if not (times > 0.0).any():
-        return FeedProgram(source.data, toolpath, 0, 0)
-    job = Job.beside(source, machine, dialect, options, toolpath, times)
+    while (times > 0.0).any():
+        job = Job.beside(source, machine, dialect, options, toolpath, times)
+        if not job.lines:
+            break
+        new, pieces = _written(job, feeds, shares)
+        again = job.read(new)
+        wrong = change_of_kept(job, new, again) > SAME
+        if not wrong.any():
+            check(job, feeds, new, again)
+            above = feeds.lowered & ~job.rewriting.chosen
+            return FeedProgram(new.data, again, len(job.lines), len(pieces), _lines(passes, above))
+        # the text does not tell which feed is in force behind them: without theirs it is what it was
+        before = job.rewriting.chosen & _before(wrong, job.rewriting.kept)
+        if not before.any():
+            raise VerificationError(
+                f"read back, block {int(passes.block[int(np.argmax(wrong))])} keeps its text and has another feed; "
+                "nothing was written"
+            )
+        times = np.where(before, 0.0, times)
+    return FeedProgram(source.data, toolpath, 0, 0, _lines(passes, feeds.lowered))
+
+
+def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten, dict[int, list[str]]]:
+    """The program with its feeds, and the pieces of the blocks that are divided: those that lead to the same path."""
     pieces = {line: text for line, (_, text) in shares.items() if line in job.lines}
     new, read = job.probe(pieces)
-    wrong = {int(block) for block in passes.block[strays(job, new, read)]} & set(pieces)
+    wrong = {int(block) for block in job.passes.block[strays(job, new, read)]} & set(pieces)
     if wrong:
         pieces = {line: lines for line, lines in pieces.items() if line not in wrong}
         new, read = job.probe(pieces)
     words: dict[int, list[str]] = {}
     for line, probed in new.times(read).items():
         k = job.lines[line]
-        wanted = feeds.piece_times(k, shares[line][0] if line in pieces else np.zeros(0))
-        words[line] = [rounded_down(PROBE * float(a / b)) for a, b in zip(probed, wanted)]
-    new = job.rewriting.write(words, pieces)
-    again = job.read(new)
-    check(job, feeds, new, again)
-    return FeedProgram(new.data, again, len(words), len(pieces))
+        planned = feeds.piece_times(k, shares[line][0]) if line in pieces else [feeds.planned_time(k)]
+        words[line] = [rounded_down(PROBE * float(a / b)) for a, b in zip(probed, planned)]
+    return job.rewriting.write(words, pieces), pieces
+
+
+def _before(wrong: Bools, kept: Bools) -> Bools:
+    """(k,) passes between one that is `wrong` (k,) and the last before it that is `kept` (k,)."""
+    behind: Ints = np.cumsum(kept) - kept
+    found: Bools = np.isin(behind, behind[wrong]) & ~kept
+    return found
+
+
+def _lines(passes: Passes, chosen: Bools) -> tuple[int, ...]:
+    return tuple(np.unique(passes.block[chosen]).tolist())
 
 
 def rounded_down(value: float) -> str:
@@ -107,12 +150,14 @@ def check(job: Job, feeds: _BlockFeeds, new: Rewritten, again: ToolPath) -> None
     if other.any():
         block = int(job.passes.block[int(np.argmax(other))])
         raise VerificationError(f"read back, block {block} of the new program leads elsewhere; nothing was written")
-    times = new.times(again)
+    now = Passes.of(in_old_blocks(again, new))
+    way, speed = again.way_length, own_feeds(again)
     for line, k in job.lines.items():
-        least, found = feeds.least_time(k), float(times[line].sum())
-        if found < least * (1.0 - CLOSE):
+        points = slice(now.first[k], now.last[k] + 1)
+        above = feeds.share_above(k, way[points], speed[points])
+        if above > CLOSE:
             raise VerificationError(
-                f"read back, block {line} of the new program takes {found:.6g} s, and its feeds allow {least:.6g} s; "
+                f"read back, block {line} of the new program is faster than its feeds allow by {100.0 * above:.3g} %; "
                 "nothing was written"
             )
 
@@ -126,8 +171,8 @@ class _BlockFeeds:
         self.own = own_feeds(toolpath)
         self.way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
 
-    def divided(self, source: Source) -> dict[int, tuple[Floats, list[str]]]:
-        """Line to the shares of its way at which it is worth dividing, and the text of the pieces before the last."""
+    def divided(self, source: Source) -> Divisions:
+        """Those that are worth it."""
         lines = ProgramText.of(source.data).lines
         text = TextPlaces.of(lines)
         found = {}
@@ -140,30 +185,50 @@ class _BlockFeeds:
         return found
 
     def times(self, divided: Collection[int]) -> Floats:
-        """(k,) time of each pass at the lowest feed on its way [s]; 0 of those that keep their text."""
+        """(k,) time of each pass at the feeds on its way [s]; 0 of those that keep their text."""
         found = np.zeros(len(self.passes.block))
         for k in range(len(found)):
-            way, feeds = self.pieces_of(k)
-            if not len(feeds) or self.passes.rapid[k] or self.passes.mixed[k]:
-                continue
-            own = float(self.own[self.passes.first[k] : self.passes.last[k] + 1].min())
-            changes = abs(float(feeds.min()) / own - 1.0) >= LEAST_CHANGE
-            if changes or int(self.passes.block[k]) in divided:
-                found[k] = float(way.sum() / feeds.min())
+            ratio = self.least_ratio(k)
+            raised = ratio >= 1.0 + LEAST_CHANGE or int(self.passes.block[k]) in divided
+            if self.lowered[k] or (raised and math.isfinite(ratio)):
+                found[k] = self.planned_time(k)
         return found
 
-    def pieces_of(self, k: int) -> tuple[Floats, Floats]:
-        """Ways [m] and feeds [m/s] of the pieces of pass k; none where the tip stands, or a feed is not known."""
+    @cached_property
+    def lowered(self) -> Bools:
+        """(k,) passes of which a feed is below the program's somewhere."""
+        return np.array([self.least_ratio(k) < 1.0 - ROUND for k in range(len(self.passes.block))])
+
+    def least_ratio(self, k: int) -> float:
+        """The least ratio along pass k of a feed to the program's own; inf where none is planned.
+
+        Where rotary joints set the pace the tip's own speed changes within a block, and one F scales all of it.
+        """
+        if self.passes.rapid[k] or self.passes.mixed[k]:
+            return math.inf
+        _, feeds, own = self.pieces_of(k)
+        return float((feeds / own).min(initial=math.inf))
+
+    def planned_time(self, k: int) -> float:
+        """What pass k takes with the highest F that is nowhere above the plan [s]."""
+        way, feeds, own = self.pieces_of(k)
+        return float((way / own).sum() * (own / feeds).max())
+
+    def pieces_of(self, k: int) -> tuple[Floats, Floats, Floats]:
+        """Ways [m], feeds [m/s] and the program's own speeds [m/s] of the pieces of pass k, each of one feed between
+        two points; none where the tip stands, or a feed is not known."""
         begin, end = float(self.passes.first[k] - 1), float(self.passes.last[k])
         inside = self.ends[(self.ends > begin) & (self.ends < end)]
-        edges = np.concatenate([[begin], inside, [end]])
-        piece = np.searchsorted(self.ends, 0.5 * (edges[1:] + edges[:-1]), side="left")
+        edges = np.unique(np.concatenate([np.arange(begin, end + 1.0), inside]))
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        piece = np.searchsorted(self.ends, middle, side="left")
         feeds = np.append(self.values, np.nan)[np.minimum(piece, len(self.values))]
         way = np.diff(np.interp(edges, np.arange(len(self.way)), self.way))
+        own = self.own[np.ceil(middle).astype(np.int64)]
         there = way > 0.0
-        if not there.any() or not np.isfinite(feeds[there]).all():
-            return np.zeros(0), np.zeros(0)
-        return way[there], feeds[there]
+        if not there.any() or not (np.isfinite(feeds) & (feeds > 0.0) & np.isfinite(own))[there].all():
+            return np.zeros(0), np.zeros(0), np.zeros(0)
+        return way[there], feeds[there], own[there]
 
     def gain(self, way: Floats, feeds: Floats) -> float:
         """Time that pieces of their own take less than the lowest feed all along [s]."""
@@ -173,7 +238,7 @@ class _BlockFeeds:
         """Shares of the way of pass k at which it is divided; none where it is not worth it."""
         if self.passes.first[k] != self.passes.last[k]:
             return np.zeros(0)
-        way, feeds = self.pieces_of(k)
+        way, feeds, _ = self.pieces_of(k)
         while len(way) > 1:
             short = int(way.argmin())
             if way[short] >= SHORTEST_PIECE:
@@ -192,7 +257,7 @@ class _BlockFeeds:
 
     def piece_times(self, k: int, shares: Floats) -> Floats:
         """Times of the pieces of pass k that is divided at shares of its way, each at the lowest feed on it [s]."""
-        way, feeds = self.pieces_of(k)
+        way, feeds, _ = self.pieces_of(k)
         ends = np.cumsum(way) / way.sum()
         borders = np.concatenate([[0.0], shares, [1.0]])
         begins = np.concatenate([[0.0], ends[:-1]])
@@ -202,7 +267,14 @@ class _BlockFeeds:
             times.append((b - a) * way.sum() / feeds[on].min())
         return np.array(times)
 
-    def least_time(self, k: int) -> float:
-        """What the feeds of the plan allow pass k [s]."""
-        way, feeds = self.pieces_of(k)
-        return float((way / feeds).sum())
+    def share_above(self, k: int, ways: Floats, speeds: Floats) -> float:
+        """By what share of the plan's feeds pass k is too fast that is read as ways (n,) [m] at speeds (n,) [m/s]."""
+        way, feeds, _ = self.pieces_of(k)
+        ends, tips = np.cumsum(way), np.cumsum(ways)
+        worst = 0.0
+        for length, tip, speed in zip(ways, tips * (ends[-1] / tips[-1]), speeds):
+            slack = min(NEAR, 0.25 * length)
+            on = (ends > tip - length + slack) & (ends - way < tip - slack)
+            if length > 0.0:
+                worst = max(worst, float(speed / feeds[on].min()) - 1.0)
+        return worst

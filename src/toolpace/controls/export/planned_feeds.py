@@ -53,9 +53,12 @@ class Job:
             raise UsageError(f"--to program: {motion.name} has no program beside it; take --to table")
         record = motion.record
         toolpath = read_source(motion.source, motion.machine, record.dialect, motion.options, feed=record.feed)
-        return cls.beside(
+        job = cls.beside(
             motion.source, motion.machine, record.dialect, motion.options, toolpath, motion.setpoints, inverse, cut
         )
+        if not job.rewriting.chosen.any():
+            raise UsageError("--to program: no block of the program runs once at a feed of its own; take --to table")
+        return job
 
     @classmethod
     def beside(
@@ -82,8 +85,6 @@ class Job:
         passes = Passes.of(toolpath)
         planned = passes.planned_times(toolpath, plan) if isinstance(plan, SetPoints) else plan
         rewriting = Rewriting.of(ProgramText.of(source.data), words, passes, planned, inverse)
-        if not rewriting.chosen.any():
-            raise UsageError("--to program: no block of the program runs once at a feed of its own; take --to table")
         return cls(source, machine, dialect, options, toolpath, passes, planned, rewriting)
 
     @property
@@ -166,7 +167,14 @@ def off_the_way(tip: Floats, axis: Floats, tips: Floats, axes: Floats) -> tuple[
 
 def largest_change_of_kept(job: Job, new: Rewritten, again: ToolPath) -> float:
     """Largest relative change of the time that the feeds make of blocks that keep theirs."""
+    return float(change_of_kept(job, new, again).max(initial=0.0))
+
+
+def change_of_kept(job: Job, new: Rewritten, again: ToolPath) -> Floats:
+    """(k,) relative change of the time that the feeds make of each pass that keeps its text; 0 of the others."""
     before = job.passes.asked_times(job.toolpath)
     now = Passes.of(in_old_blocks(again, new)).asked_times(again)
+    if len(now) != len(before):
+        raise VerificationError("read back, the new program has other blocks; nothing was written")
     kept = job.rewriting.kept & np.isfinite(before) & (before > 0.0)
-    return float(np.abs(now[kept] / before[kept] - 1.0).max(initial=0.0))
+    return np.where(kept, np.abs(now / np.where(kept, before, 1.0) - 1.0), 0.0)
