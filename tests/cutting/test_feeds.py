@@ -13,9 +13,10 @@ from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
 from toolpace.cutting.engagement.table import Engagement
-from toolpace.cutting.feeds.feed_plan import FeedPlan, FeedRules, plan_feeds
+from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
 from toolpace.cutting.feeds.learned import learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
+from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places, Steps, over_window, own_feeds, stepped, with_feeds
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.machine.cutting_tool import Coefficients
@@ -303,6 +304,85 @@ def test_a_table_of_points_is_refused_in_its_own_words():
     with pytest.raises(UsageError, match="feeds: a table of points"):
         toolpath = read_source(source, machine, None, ReadOptions())
         with_cut_feeds(source, machine, None, ReadOptions(), toolpath, FeedPlan((), (), ()))
+
+
+def fed(program, rules):
+    """A program, cut as it is planned, and its new feeds: ends (k, 3) and feeds (k,) of its ways at feed [m], [m/s]."""
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
+    toolpath = tp.read_text(program, machine, setup=setup)
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
+    feeds = plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
+    new = with_feeds(toolpath, machine, list(feeds.places), list(feeds.feeds))
+    at_feed = ~new.rapid & (new.way_length > 0.0)
+    return new.tip[at_feed], own_feeds(new)[at_feed]
+
+
+BEGIN = "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\nG0 X-30 Y0 Z20\nG0 Z-2\n"
+
+
+def test_a_limit_holds_at_the_spindle_speed_of_each_way():
+    """In a full slot the chip is the feed per tooth: of 0.02 mm and three teeth, 6 mm/s at 100 turns per second."""
+    rules = FeedRules("limits", limits={"": CutLimits(chip=0.02e-3)}, air_feed=0.1, finishing=True)
+    tip, feed = fed(BEGIN + "G1 X30 F300\nS12000\nG1 X90\nG0 Z20\nM30\n", rules)
+    slot = (tip[:, 0] > 0.0) & (tip[:, 0] < 0.06)
+    slow = slot & (tip[:, 0] < 0.0301)
+    assert 5.5e-3 < feed[slow].max() <= 6e-3 * 1.001
+    assert 11e-3 < feed[slot].max() <= 12e-3 * 1.001
+
+
+def test_a_pass_over_a_finished_surface_keeps_its_feed_though_nothing_is_left_to_cut():
+    again = BEGIN + "G1 X90 F600\nG0 Z20\nG0 X-30\nG0 Z-2\nG1 X89\nG0 Z20\nM30\n"
+    for finishing, most in ((False, 0.01), (True, 0.1)):
+        tip, feed = fed(again, FeedRules(air_feed=0.1, finishing=finishing))
+        second = np.cumsum(np.diff(tip[:, 0], prepend=-0.03) < 0.0) > 0
+        middle = np.flatnonzero(second & (tip[:, 0] >= 0.03))[0]
+        assert np.isclose(feed[middle], most)
+
+
+def test_a_turn_in_place_slows_nothing_beside_it():
+    rules = FeedRules("limits", limits={"": CutLimits(chip=1e-3)}, air_feed=0.01)
+    feed = fed(BEGIN + "G1 X0 F600\nG1 C5\nG1 X30\nG0 Z20\nM30\n", rules)[1]
+    assert np.allclose(feed, 0.01)
+
+
+def test_lowering_leaves_the_feed_of_what_is_beside_a_slower_block():
+    rules = FeedRules("learned", lower=True, air_feed=0.02)
+    tip, feed = fed(BEGIN + "G1 X-20 F1200\nG1 X90 F600\nG0 Z20\nM30\n", rules)
+    assert np.allclose(feed[tip[:, 0] < -0.0199], 0.02)
+
+
+def test_a_tool_without_limits_keeps_its_feeds_where_it_may_cut(cut):
+    _, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, FeedRules("limits", air_feed=0.1))
+    stretches = [each for each in simulation.stretches if not each.rapid]
+    assert any(not each.air.all() for each in stretches)
+    for stretch, feed in zip(stretches, plan.feeds):
+        assert (feed[1:][~stretch.air[1:]] == 0.01).all()
+    wide = FeedRules("limits", limits={"": CutLimits(chip=1e-3)}, air_feed=1e-3)
+    slow = plan_feeds(simulation, toolpath, tools, wide)
+    assert all((feed[1:] >= 0.01).all() for feed in slow.feeds) and not slow.overloads
+
+
+def test_rules_that_speak_of_what_is_not_there_are_refused(cut):
+    _, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    wrong = (
+        (FeedRules("limits", limits={"7": CutLimits(chip=1e-4)}), "no tool '7'"),
+        (FeedRules(left_alone=frozenset(["finish"])), "no operation 'finish'"),
+        (FeedRules("limits", limits={"": CutLimits(force=100.0)}), "--material"),
+    )
+    for rules, message in wrong:
+        with pytest.raises(UsageError, match=message):
+            plan_feeds(simulation, toolpath, tools, rules)
+    for figure in (math.nan, 0.0, -1.0):
+        with pytest.raises(UsageError, match="air_feed"):
+            FeedRules(air_feed=figure)
+    with pytest.raises(UsageError, match="margin"):
+        Steps(margin=math.nan)
+    rules = FeedRules(limits={"": CutLimits(chip=1e-4, removal_rate=1e-6), "3": CutLimits(chip=2e-4)})
+    assert rules.limits_of("3") == CutLimits(chip=2e-4, removal_rate=1e-6)
 
 
 def test_feeds_are_rounded_down():

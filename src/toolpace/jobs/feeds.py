@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from toolpace.controls.export.cut_feeds import FeedProgram
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.program_time import ProgramTime
-    from toolpace.cutting.feeds.feed_plan import FeedPlan, FeedRules
+    from toolpace.cutting.feeds.feed_plan import FeedPlan
+    from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions, Source

@@ -19,8 +19,8 @@ from toolpace.common.units import format_time, parse_feed, parse_length
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
-    from toolpace.cutting.feeds.feed_plan import FeedRules
     from toolpace.cutting.feeds.limits import CutLimits
+    from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
@@ -93,7 +93,7 @@ class Allowed:
 
     def rules(self) -> FeedRules:
         """The same, checked. Raises UsageError."""
-        from toolpace.cutting.feeds.feed_plan import FeedRules
+        from toolpace.cutting.feeds.rules import FeedRules
         from toolpace.cutting.feeds.schedule import Steps as FeedSteps
 
         most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []

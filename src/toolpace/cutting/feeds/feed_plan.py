@@ -11,19 +11,20 @@ of each stretch at feed
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
-from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import Engagement
 from toolpace.cutting.feeds.learned import Taken, best_of, learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CutLimits, speeds_within
-from toolpace.cutting.feeds.schedule import Places, Steps, over_window, own_feeds, stepped
+from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.feeds.schedule import Places, over_window, own_feeds, stepped
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
@@ -32,8 +33,6 @@ from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
-Way = Literal["air", "learned", "limits"]
-WAYS: tuple[Way, ...] = get_args(Way)
 WIDE = 3.0
 """Cells that a contact is wide or deep at least, to teach: what is narrower is known too coarsely."""
 SHARE = 0.1
@@ -42,38 +41,8 @@ RATE = 5
 """Stations over which a removal rate is a mean."""
 ANY = Coefficients(1e9, 1e9)
 """Where no force is asked for."""
-
-
-@dataclass(frozen=True)
-class FeedRules:
-    """What feeds may be changed, and how far. Raises UsageError for what makes no sense."""
-
-    way: Way = "air"
-    air_feed: float | None = None
-    """In air [m/s]; None: the highest feed of the program."""
-    steps: Steps = field(default_factory=Steps)
-    raise_at_most: float = math.inf
-    """By what factor, where something may be cut."""
-    lower: bool = False
-    """Whether feeds are lowered where they overload; by limits they always are."""
-    finishing: bool = False
-    """Whether feeds are raised where the tool makes a surface that stays, too."""
-    limits: Mapping[str, CutLimits] = field(default_factory=dict)
-    """By tool, as the program calls it; "" for those that are not named."""
-    materials: Mapping[str, Coefficients] = field(default_factory=dict)
-    """By tool likewise."""
-    left_alone: frozenset[str] = frozenset()
-    """Names of operations whose feeds stay."""
-
-    def __post_init__(self) -> None:
-        if self.way not in WAYS:
-            raise UsageError(f"feeds '{str(self.way)[:40]}' are not known; {did_you_mean(str(self.way), WAYS)}")
-        if not self.raise_at_most >= 1.0:
-            raise UsageError(f"raise_at_most = {self.raise_at_most:g} is less than 1; lower=True lowers feeds")
-
-    def of(self, table: Mapping[str, CutLimits], tool: str) -> CutLimits:
-        """The limits of a tool."""
-        return table.get(tool) or table.get("") or CutLimits()
+STANDS = 1e-12
+"""Speed of the tip below which it stands: the axis turns at a time of its own [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -150,8 +119,9 @@ def plan_feeds(
 
     tools: figures of the tool of each operation. reached: (points,) speed that the control reaches on the way to each
     point of the program [m/s]; None: that of the motion that was cut. Raises UsageError where a figure is missing that
-    `rules` need.
+    `rules` need, and where they name a tool or an operation that the program does not have.
     """
+    rules.check(toolpath)
     stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
     places = tuple(Places.of(toolpath, each.stations) for each in stretches)
     own = own_feeds(toolpath)
@@ -185,7 +155,8 @@ class _Planning:
         self.worst: dict[tuple[str, str], Overload] = {}
         self.air_feed = rules.air_feed or max((float(each.max(initial=0.0)) for each in before), default=0.0)
         if rules.air_feed is None:
-            self.notes.append(f"in air: F{self.air_feed * 60e3:g}, the highest feed of the program (--air-feed)")
+            feed = f"{self.air_feed * 60e3:g} mm/min"
+            self.notes.append(f"in air: {feed}, the highest feed of the program (--air-feed)")
 
     def guessed(self) -> list[Floats]:
         """The feeds as they are."""
@@ -206,40 +177,56 @@ class _Planning:
         name = self.toolpath.operations[stretch.operation].name
         if name in rules.left_alone:
             return before
+        stands = before <= STANDS
         most = np.maximum(self.air_feed, before)
         speed = np.where(stretch.air, most, before)
-        lower = rules.lower or rules.way == "limits"
+        # above this the program's own feed is lowered
+        bound = np.full(len(before), math.inf)
         if rules.way != "air":
-            loaded = ~stretch.air
+            loaded = ~stretch.air & ~stands
             cap = self.cap(stretch, self.places[k], before, taught)
+            lower = rules.lower or rules.way == "limits"
+            bound = np.where(loaded & lower, cap, math.inf)
             cap = np.minimum(cap, most)
             if math.isfinite(rules.raise_at_most):
                 cap = np.minimum(cap, rules.raise_at_most * before)
-            if not rules.finishing:
-                cap = np.where(self.finishes(stretch), np.minimum(cap, before), cap)
             speed = np.where(loaded, cap if lower else np.maximum(cap, before), speed)
-        place = self.places[k]
-        stepwise = stepped(place, speed, rules.steps)
+        if not rules.finishing:
+            speed = np.where(self.finishes(stretch, (speed > before) & ~stands), before, speed)
+        place, steps = self.places[k], rules.steps
+        kept = before
+        if (bound < before).any():
+            lowered = stepped(place, np.minimum(bound, most.max()), steps)
+            within = over_window(place.way, bound, steps.margin, np.minimum)
+            kept = np.where(within >= before, before, np.minimum(before, lowered))
         # a step of the feed may be below what the program has, and may keep
-        least = over_window(place.way, speed, rules.steps.margin, np.minimum)
-        return np.where((least >= before) | (not lower), np.maximum(stepwise, before), stepwise)
+        return np.where(stands, before, np.maximum(stepped(place, speed, steps), kept))
 
     def cap(
         self, stretch: CutStretch, place: Places, before: Floats, taught: Mapping[tuple[str, float], Taken]
     ) -> Floats:
-        """(n,) most speed at each station by teachers or limits [m/s]."""
-        tool = self.tool(stretch)
-        speed = np.maximum(before, 1e-9)
-        if self.rules.way == "learned":
-            key = tool, self.spindle(stretch)
-            if key not in taught or not len(taught[key]):
-                return before
-            return learned_speeds(self.forces(stretch, stretch.possible), taught[key], speed)[0]
-        limits = self.rules.of(self.rules.limits, tool)
-        forces = self.forces(stretch, stretch.possible)
-        found = speeds_within(forces, place, limits, self.air_feed)
-        self.tell_overload(stretch, tool, limits, found.speed, before)
-        return found.speed
+        """(n,) most speed at each station by teachers or limits [m/s]; the program's where neither tells anything."""
+        tool, found = self.tool(stretch), before.copy()
+        speed, spindle = np.maximum(before, 1e-9), self.spindle(stretch)
+        limits = self.rules.limits_of(tool)
+        for turns in np.unique(spindle).tolist():
+            at = spindle == turns
+            if self.rules.way == "learned":
+                taken = taught.get((tool, turns))
+                if not taken:
+                    continue
+                forces = self.forces(stretch, stretch.possible, turns)
+                allowed = learned_speeds(forces, taken, speed)[0]
+            elif limits.names:
+                forces = self.forces(stretch, stretch.possible, turns)
+                allowed = speeds_within(forces, place, limits, max(self.air_feed, float(before.max()))).speed
+                self.tell_overload(stretch, tool, limits, np.where(at, allowed, np.inf), before)
+            else:
+                break
+            # what is cut without a chip that is known has no load that is known
+            allowed = np.where(forces.loads(speed).chip > 0.0, allowed, np.minimum(allowed, before))
+            found = np.where(at, allowed, found)
+        return found
 
     def tell_overload(
         self, stretch: CutStretch, tool: str, limits: CutLimits, allowed: Floats, before: Floats
@@ -254,16 +241,18 @@ class _Planning:
 
     def taught(self) -> dict[tuple[str, float], Taken]:
         """The teachers of each tool at each spindle speed."""
-        found: dict[tuple[str, float], list[tuple[CutStretch, Taken]]] = {}
+        found: dict[tuple[str, float], list[tuple[CutStretch, Taken]]] = defaultdict(list)
         usual = self.cutting_feeds()
         for stretch, place, before in zip(self.stretches, self.places, self.before):
             tool = self.tool(stretch)
             wide = np.maximum(stretch.certain.width, stretch.certain.depth) > WIDE * stretch.resolution
             may = stretch.cutting & wide & (before <= usual.get(tool, 0.0) * (1.0 + 1e-9))
-            if may.any():
-                speed = np.minimum(self.speed_reached(stretch), np.maximum(before, 1e-9))
-                taken = teachers(self.forces(stretch, stretch.certain), speed, place.way, may)
-                found.setdefault((tool, self.spindle(stretch)), []).append((stretch, taken))
+            speed = np.minimum(self.speed_reached(stretch), np.maximum(before, 1e-9))
+            spindle = self.spindle(stretch)
+            for turns in np.unique(spindle[may]).tolist():
+                forces = self.forces(stretch, stretch.certain, turns)
+                taken = teachers(forces, speed, place.way, may & (spindle == turns))
+                found[tool, turns].append((stretch, taken))
         return {key: self.named(key[0], each) for key, each in found.items()}
 
     def named(self, tool: str, found: list[tuple[CutStretch, Taken]]) -> Taken:
@@ -293,8 +282,11 @@ class _Planning:
             found[tool] = float(feed[order][enough.argmax()]) if removed.sum() > 0.0 else 0.0
         return found
 
-    def finishes(self, stretch: CutStretch) -> Bools:
-        """(n,) whether the tool makes a surface there that is left at the end: a cell larger and lower it is in it."""
+    def finishes(self, stretch: CutStretch, asked: Bools) -> Bools:
+        """(n,) which of some stations make a surface that is left at the end: a larger, lower tool is in it.
+
+        A pass that finds nothing more to cut is one of them: it takes what bending left.
+        """
         figures = self.figures(stretch)
         off = stretch.resolution
         wider = replace(
@@ -302,10 +294,11 @@ class _Planning:
             diameter=figures.diameter + 2.0 * off,
             corner_radius=figures.corner_radius + off if figures.corner_radius > 0.0 else 0.0,
         )
-        stations = stretch.stations
+        stations = stretch.stations.where(asked)
         lower: Stations = replace(stations, tip=stations.tip - off * stations.axis)
         depth = self.simulation.left.nominal.depth_in_material((ToolProfile.of(wider).cutting,), lower)
-        found: Bools = depth > 0.5 * off
+        found = asked.copy()
+        found[asked] = depth > 0.5 * off
         return found
 
     def speed_reached(self, stretch: CutStretch) -> Floats:
@@ -318,25 +311,23 @@ class _Planning:
         moved: Floats = np.divide(steps, stretch.seconds, out=np.zeros(len(steps)), where=stretch.seconds > 0.0)
         return moved
 
-    def forces(self, stretch: CutStretch, engagement: Engagement) -> EngagedForces:
-        """Of the tool of a stretch in an engagement."""
-        tool = self.tool(stretch)
-        materials = self.rules.materials
-        coefficients = materials.get(tool) or materials.get("") or ANY
-        return EngagedForces(engagement, self.figures(stretch), coefficients, abs(self.spindle(stretch)))
+    def forces(self, stretch: CutStretch, engagement: Engagement, turns: float) -> EngagedForces:
+        """Of the tool of a stretch in an engagement, at turns per second [1/s]."""
+        coefficients = self.rules.material_of(self.tool(stretch)) or ANY
+        return EngagedForces(engagement, self.figures(stretch), coefficients, abs(turns))
 
-    def spindle(self, stretch: CutStretch) -> float:
-        """Turns per second [1/s], signed by the sense. Raises UsageError where nothing tells them."""
+    def spindle(self, stretch: CutStretch) -> Floats:
+        """(n,) turns per second [1/s], signed by the sense. Raises UsageError where nothing tells them."""
         figures = self.figures(stretch)
-        speed = float(self.toolpath.spindle[stretch.stations.point[-1]])
-        if math.isfinite(speed) and speed != 0.0:
-            return speed
-        if figures.spindle_speed is None:
+        speed = self.toolpath.spindle[stretch.stations.point]
+        told = np.isfinite(speed) & (speed != 0.0)
+        if not told.all() and figures.spindle_speed is None:
             raise UsageError(
                 f"tool {self.tool(stretch)}: the spindle speed is not known; write spindle_speed in its table of the "
                 "set-up sheet"
             )
-        return figures.spindle_speed if figures.clockwise else -figures.spindle_speed
+        usual = figures.spindle_speed or 0.0
+        return np.where(told, speed, usual if figures.clockwise else -usual)
 
     def figures(self, stretch: CutStretch) -> ToolFigures:
         """Of the tool of a stretch: a stretch without one is not cut."""
@@ -354,30 +345,33 @@ class _Planning:
         for stretch, place, *feeds in zip(self.stretches, self.places, self.before, after):
             tool, figures = self.tool(stretch), self.figures(stretch)
             try:
-                forces = self.forces(stretch, stretch.possible)
-                loads = [self.loads_at(forces, place, feed) for feed in feeds]
+                loads = [self.loads_at(stretch, place, feed) for feed in feeds]
             except UsageError:
                 continue
             told = {"chip", "removal_rate"}
-            if self.rules.materials.get(tool) or self.rules.materials.get(""):
+            if self.rules.material_of(tool) is not None:
                 told |= {"force", "torque", "power"} | ({"deflection"} if figures.stick_out is not None else set())
             for kind in told & set(loads[0]):
                 most = found.setdefault((tool, kind), np.zeros(2))
                 np.maximum(most, [each[kind] for each in loads], out=most)
         return tuple(LargestLoad(*key, float(a), float(b)) for key, (a, b) in sorted(found.items()))
 
-    def loads_at(self, forces: EngagedForces, place: Places, feed: Floats) -> dict[str, float]:
+    def loads_at(self, stretch: CutStretch, place: Places, feed: Floats) -> dict[str, float]:
         """The largest of each kind along a stretch at feeds (n,)."""
-        loads = forces.loads(feed)
-        way = np.diff(place.way, prepend=place.way[:1])
-        rate = np.divide(forces.engagement.removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
+        way, spindle = np.diff(place.way, prepend=place.way[:1]), self.spindle(stretch)
+        rate = np.divide(stretch.possible.removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
         # between two stations the volume is counted in cells: over RATE of them it is known
         rate = np.convolve(rate, np.full(RATE, 1.0 / RATE), mode="same") if len(way) > RATE else rate
-        kinds = {
-            "chip": loads.chip, "removal_rate": rate, "force": loads.resultant, "torque": np.abs(loads.torque),
-            "power": np.abs(loads.power), "deflection": np.nan_to_num(loads.deflection),
-        }  # fmt: skip
-        return {kind: float(np.max(values, initial=0.0)) for kind, values in kinds.items()}
+        largest: dict[str, float] = defaultdict(float, removal_rate=float(rate.max(initial=0.0)))
+        for turns in np.unique(spindle).tolist():
+            loads = self.forces(stretch, stretch.possible, turns).loads(feed)
+            kinds = {
+                "chip": loads.chip, "force": loads.resultant, "torque": np.abs(loads.torque),
+                "power": np.abs(loads.power), "deflection": np.nan_to_num(loads.deflection),
+            }  # fmt: skip
+            for kind, values in kinds.items():
+                largest[kind] = max(largest[kind], float(values[spindle == turns].max(initial=0.0)))
+        return dict(largest)
 
     def overloads(self) -> tuple[Overload, ...]:
         """The worst first."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Floats, Ints, number
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.prediction import with_points
 from toolpace.machine.machine import Machine
@@ -33,7 +33,12 @@ class Steps:
     ratio: float = 1.005
     """Between two values of the feed that are next to each other."""
     shortest: float = 1e-3
-    """Of the stretches on which the feed is raised [m]."""
+    """Of the stretches on which the feed is raised [m]. Raises UsageError for figures that make no sense."""
+
+    def __post_init__(self) -> None:
+        number(self.margin, "steps of the feed: margin", least=0.0, unit="m")
+        number(self.ratio, "steps of the feed: ratio", least=1.0, above=True)
+        number(self.shortest, "steps of the feed: shortest", least=0.0, unit="m")
 
 
 @dataclass(frozen=True)
@@ -109,7 +114,7 @@ def with_feeds(toolpath: ToolPath, machine: Machine, places: list[Places], feeds
     middle = np.concatenate([[0.0], 0.5 * (at[1:] + at[:-1])])
     piece = np.searchsorted(x, middle, side="left")
     feed = np.append(values, np.nan)[np.minimum(piece, len(values))]
-    known = np.isfinite(feed) & ~dense.rapid
+    known = np.isfinite(feed) & (feed > 0.0) & ~dense.rapid
     own = own_feeds(dense)
     changed = known & (np.abs(feed / np.where(known, own, 1.0) - 1.0) > 1e-9)
     return replace(

@@ -1,0 +1,77 @@
+"""Rules for new feeds: what may be changed, how far, and by what limits and materials of each tool."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Literal, get_args
+
+from toolpace.common.arrays import number
+from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.cutting.feeds.limits import CutLimits
+from toolpace.cutting.feeds.schedule import Steps
+from toolpace.machine.cutting_tool import Coefficients
+from toolpace.programs.toolpath import ToolPath
+
+Way = Literal["air", "learned", "limits"]
+WAYS: tuple[Way, ...] = get_args(Way)
+WITHOUT_MATERIAL = frozenset({"chip", "feed_per_tooth", "removal_rate", "feed_marks"})
+"""Limits that no force belongs to."""
+
+
+@dataclass(frozen=True)
+class FeedRules:
+    """What feeds may be changed, and how far. Raises UsageError for what makes no sense."""
+
+    way: Way = "air"
+    air_feed: float | None = None
+    """In air [m/s]; None: the highest feed of the program."""
+    steps: Steps = field(default_factory=Steps)
+    raise_at_most: float = math.inf
+    """By what factor, where something may be cut."""
+    lower: bool = False
+    """Whether feeds are lowered where they overload; by limits they always are."""
+    finishing: bool = False
+    """Whether feeds are raised where the tool makes a surface that stays, too."""
+    limits: Mapping[str, CutLimits] = field(default_factory=dict)
+    """By tool, as the program calls it; "" for all, where a tool has none of that kind of its own."""
+    materials: Mapping[str, Coefficients] = field(default_factory=dict)
+    """By tool likewise."""
+    left_alone: frozenset[str] = frozenset()
+    """Names of operations whose feeds stay."""
+
+    def __post_init__(self) -> None:
+        if self.way not in WAYS:
+            raise UsageError(f"feeds '{str(self.way)[:40]}' are not known; {did_you_mean(str(self.way), WAYS)}")
+        if not self.raise_at_most >= 1.0:
+            raise UsageError(f"raise_at_most = {self.raise_at_most:g} is less than 1; lower=True lowers feeds")
+        if self.air_feed is not None:
+            number(self.air_feed, "air_feed", least=0.0, above=True, unit="m/s")
+
+    def limits_of(self, tool: str) -> CutLimits:
+        """Its own, and of each kind that it has none of, that for all. Raises UsageError where one needs a material."""
+        tables = [self.limits.get(name, CutLimits()) for name in (tool, "")]
+        own, usual = ({each.name: getattr(table, each.name) for each in fields(table)} for table in tables)
+        found = CutLimits(**{name: usual[name] if value is None else value for name, value in own.items()})
+        forces = [name for name in found.names if name not in WITHOUT_MATERIAL]
+        if forces and self.material_of(tool) is None:
+            raise UsageError(f"limit of the cut: {forces[0]} is of a force; give a --material, as Al7075-T6")
+        return found
+
+    def material_of(self, tool: str) -> Coefficients | None:
+        """What it cuts; None where it is not told."""
+        return self.materials.get(tool, self.materials.get(""))
+
+    def check(self, toolpath: ToolPath) -> None:
+        """Raise UsageError for a tool or an operation that a program does not have."""
+        _check_names("tool", {*self.limits, *self.materials} - {""}, (each.tool for each in toolpath.operations))
+        _check_names("operation", self.left_alone, (each.name for each in toolpath.operations))
+
+
+def _check_names(kind: str, named: Iterable[str], there: Iterable[str]) -> None:
+    names = sorted({each for each in there if each})
+    for name in sorted(named):
+        if name not in names:
+            cure = did_you_mean(name, names) if names else "it names none"
+            raise UsageError(f"feeds: the program has no {kind} '{name[:40]}'; {cure}")
