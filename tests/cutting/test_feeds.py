@@ -306,10 +306,10 @@ def test_a_table_of_points_is_refused_in_its_own_words():
         with_cut_feeds(source, machine, None, ReadOptions(), toolpath, FeedPlan((), (), ()))
 
 
-def fed(program, rules):
+def fed(program, rules, controller=None):
     """A program, cut as it is planned, and its new feeds: ends (k, 3) and feeds (k,) of its ways at feed [m], [m/s]."""
     machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
-    toolpath = tp.read_text(program, machine, setup=setup)
+    toolpath = tp.read_text(program, machine, setup=setup, controller=controller)
     plan = tp.plan_program(toolpath, machine, effort="low")
     simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
     feeds = plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
@@ -342,7 +342,7 @@ def test_a_pass_over_a_finished_surface_keeps_its_feed_though_nothing_is_left_to
 
 def test_a_turn_in_place_slows_nothing_beside_it():
     rules = FeedRules("limits", limits={"": CutLimits(chip=1e-3)}, air_feed=0.01)
-    feed = fed(BEGIN + "G1 X0 F600\nG1 C5\nG1 X30\nG0 Z20\nM30\n", rules)[1]
+    feed = fed(BEGIN.replace("G43 ", "G43.4 ") + "G1 X10 F600\nG1 A8\nG1 X30\nG0 Z20\nM30\n", rules, "fanuc")[1]
     assert np.allclose(feed, 0.01)
 
 
