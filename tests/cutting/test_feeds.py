@@ -365,6 +365,22 @@ def test_a_tool_without_limits_keeps_its_feeds_where_it_may_cut(cut):
     assert all((feed[1:] >= 0.01).all() for feed in slow.feeds) and not slow.overloads
 
 
+@pytest.mark.parametrize("rules", [
+    FeedRules("limits", limits={"": CutLimits(force=1.0)}, materials={"": Coefficients(8e8, 2e8, 0.0, 15e3, 20e3)}),
+    FeedRules("learned", lower=True),
+])  # fmt: skip
+def test_what_no_feed_can_help_keeps_its_feed_and_is_told(cut, rules):
+    """Edges alone are above the limit; or the edge is longer than any teacher's, here since teachers are short."""
+    _, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, rules)
+    loaded = np.concatenate([each.cutting[1:] for each in simulation.stretches if not each.rapid])
+    feed = np.concatenate([each[1:] for each in plan.feeds])
+    assert (feed > 0.001).all()
+    assert rules.way == "learned" or (feed[loaded] == 0.01).all()
+    assert [each.always for each in plan.overloads] == [True] * (rules.way == "limits")
+
+
 def test_rules_that_speak_of_what_is_not_there_are_refused(cut):
     _, setup, toolpath, simulation = cut
     tools = [setup.figures_of(each.tool) for each in toolpath.operations]
@@ -402,7 +418,11 @@ def test_the_command_writes_the_program_and_tells_times(tmp_path, capsys):
     assert found["largest"]["1"]["chip_mm"]["after"] <= found["largest"]["1"]["chip_mm"]["before"] * (1.0 + 1e-9)
     assert "F600" in new.read_text() and new.read_text() != PROGRAM
     assert main(["feeds", *words, "--out", str(program)]) == 2
-    assert program.read_text() == PROGRAM
+    assert main(["feeds", *words, "--out", str(sheet)]) == 2
+    assert main(["feeds", *words, "--out", str(tmp_path / "none" / "new.ngc")]) == 2
+    assert (program.read_text(), sheet.read_text()) == (PROGRAM, SHEET)
+    twice = ["--feeds", "limits", "--limit", "chip=0.1mm", "--limit", "chip=0.2mm"]
+    assert main(["feeds", *words, *twice]) == 2
     assert main(["feeds", *words, "--limit", "chip=0.1mm"]) == 2
     assert main(["feeds", *words, "--feeds", "limits", "--limit", "chips=0.1mm"]) == 2
     assert "did you mean 'chip'" in capsys.readouterr().err

@@ -118,6 +118,7 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
         ],
         "blocks_changed": found.written.changed,
         "blocks_divided": found.written.divided,
+        "lines_above": list(found.written.above),
         "largest": largest,
         "teachers": [
             {
@@ -127,7 +128,7 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
             for each in found.plan.teachers
         ],
         "overloads": [
-            {"line": each.line, "tool": each.tool, "limit": each.limit, "share": each.share}
+            {"line": each.line, "tool": each.tool, "limit": each.limit, "share": each.share, "always": each.always}
             for each in found.plan.overloads
         ],
         "notes": list(found.plan.notes),

@@ -44,9 +44,9 @@ Limits = Annotated[
     list[str],
     Parameter(
         name="--limit",
-        help="A limit of the cut, for all tools or for one: chip=0.08mm, 3:force=400N; chip, feed_per_tooth [mm], "
-        "removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], deflection, "
-        "surface_deflection, feed_marks [um]. Repeat it.",
+        help="A limit of the cut, for all tools or, in its place, for one: chip=0.08mm, 3:force=400N; chip, "
+        "feed_per_tooth [mm], removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], "
+        "deflection, surface_deflection, feed_marks [um]. Repeat it.",
         negative=(),
         consume_multiple=False,
     ),
@@ -154,8 +154,12 @@ def feeds_command(
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import feeds_record, new_feeds
 
-    if out is not None and Path(out).exists() and Path(program).exists() and Path(out).samefile(program):
-        raise UsageError(f"--out {out}: that is the program itself, which is never written over; name another file")
+    if out is not None:
+        for what, file in (("program", program), ("set-up sheet", reading.setup), ("machine file", machine)):
+            if file is not None and Path(out).exists() and Path(file).exists() and Path(out).samefile(file):
+                raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
+        if not Path(out).absolute().parent.is_dir():
+            raise UsageError(f"--out {out}: its folder does not exist; make it first")
     tip, axis = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     rules = allowed.rules()
@@ -201,7 +205,9 @@ def cut_limits(words: list[str]) -> dict[str, CutLimits]:
             figure = float(value.strip().removesuffix(unit)) * scale
         except ValueError:
             raise UsageError(f"--limit {word[:60]}: give {name} in {unit}, like {name}=20{unit}") from None
-        found.setdefault(tool, {})[name] = figure
+        if name in found.setdefault(tool, {}):
+            raise UsageError(f"--limit {word[:60]}: {name} is given twice")
+        found[tool][name] = figure
     return {tool: CutLimits(**limits) for tool, limits in found.items()}
 
 
@@ -229,10 +235,13 @@ def show_feeds(console: Console, found: NewFeeds) -> None:
 
 
 def _show_loads(console: Console, found: NewFeeds) -> None:
+    if above := found.written.above:
+        lines = ", ".join(map(str, above[:SHOWN])) + (", ..." if len(above) > SHOWN else "")
+        console.print(f"faster than allowed, since their motions have no single F: lines {lines}", soft_wrap=True)
     scales = {"chip": ("chip", 1e3, "mm"), "removal_rate": ("removal", 6e7, "cm3/min"), "force": ("force", 1.0, "N")}
     scales |= {"torque": ("torque", 1.0, "Nm"), "power": ("power", 1.0, "W"), "deflection": ("deflection", 1e6, "um")}
     if found.plan.largest:
-        table = new_table(["tool", "largest", "before", "after"], left=("tool", "largest"))
+        table = new_table(["tool", "largest", "before", "planned"], left=("tool", "largest"))
         for load in found.plan.largest:
             name, scale, unit = scales[load.kind]
             words = [f"{scale * each:.3g} {unit}" for each in (load.before, load.after)]
@@ -245,11 +254,12 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
             soft_wrap=True,
         )
     for over in found.plan.overloads[:SHOWN]:
-        console.print(
-            f"line {over.line}, tool {printable(over.tool)}: the program's feed is {over.share:.3g} times what "
-            f"{over.limit} allows",
-            soft_wrap=True,
-        )
+        what = f"what {over.limit} allows"
+        if over.always:
+            told = f"however slow, the load is {over.share:.3g} times {what}; the feed stays"
+        else:
+            told = f"the program's feed is {over.share:.3g} times {what}"
+        console.print(f"line {over.line}, tool {printable(over.tool)}: {told}", soft_wrap=True)
 
 
 def _with_range(time: ProgramTime) -> str:

@@ -68,7 +68,9 @@ class Overload:
     tool: str
     limit: str
     share: float
-    """Of the limit, at the program's feed."""
+    """The program's feed in that which the limits allow; of a limit that any feed is above, the load in the limit."""
+    always: bool = False
+    """Whether any feed is above it, since the edges alone are: the program's feed stays."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,7 @@ class _Planning:
         self.reached, self.stretches, self.places, self.before = reached, stretches, places, before
         self.notes: list[str] = []
         self.teachers: list[Teacher] = []
-        self.worst: dict[tuple[str, str], Overload] = {}
+        self.worst: dict[tuple[str, bool], Overload] = {}
         self.air_feed = rules.air_feed or max((float(each.max(initial=0.0)) for each in before), default=0.0)
         if rules.air_feed is None:
             feed = f"{self.air_feed * 60e3:g} mm/min"
@@ -216,11 +218,15 @@ class _Planning:
                 if not taken:
                     continue
                 forces = self.forces(stretch, stretch.possible, turns)
-                allowed = learned_speeds(forces, taken, speed)[0]
+                allowed, teacher = learned_speeds(forces, taken, speed)
+                # no feed makes an edge shorter that is longer than any teacher's
+                allowed = np.where(teacher >= 0, allowed, before)
             elif limits.names:
                 forces = self.forces(stretch, stretch.possible, turns)
-                allowed = speeds_within(forces, place, limits, max(self.air_feed, float(before.max()))).speed
-                self.tell_overload(stretch, tool, limits, np.where(at, allowed, np.inf), before)
+                within = speeds_within(forces, place, limits, max(self.air_feed, float(before.max())))
+                self.tell_overload(stretch, limits, 1.0 + np.where(at, within.exceeded, 0.0), True)
+                allowed = np.where(within.exceeded > 0.0, before, within.speed)
+                self.tell_overload(stretch, limits, np.where(at, before / allowed.clip(1e-12), 0.0), False)
             else:
                 break
             # what is cut without a chip that is known has no load that is known
@@ -228,16 +234,14 @@ class _Planning:
             found = np.where(at, allowed, found)
         return found
 
-    def tell_overload(
-        self, stretch: CutStretch, tool: str, limits: CutLimits, allowed: Floats, before: Floats
-    ) -> None:
-        """Keep the worst place at which the program is faster than the limits allow."""
-        share = before / np.maximum(allowed, 1e-12)
-        k = int(share.argmax())
+    def tell_overload(self, stretch: CutStretch, limits: CutLimits, share: Floats, always: bool) -> None:
+        """Keep the worst place of a tool at which the shares (n,) of its limits are above 1."""
+        k, tool = int(share.argmax()), self.tool(stretch)
         if share[k] > 1.0 + 1e-6:
-            key = tool, ", ".join(limits.names)
-            if key not in self.worst or self.worst[key].share < share[k]:
-                self.worst[key] = Overload(int(stretch.stations.block[k]), tool, key[1], float(share[k]))
+            found = Overload(int(stretch.stations.block[k]), tool, ", ".join(limits.names), float(share[k]), always)
+            worst = self.worst.setdefault((tool, always), found)
+            if worst.share < found.share:
+                self.worst[tool, always] = found
 
     def taught(self) -> dict[tuple[str, float], Taken]:
         """The teachers of each tool at each spindle speed."""
