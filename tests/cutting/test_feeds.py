@@ -274,6 +274,21 @@ def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
     assert np.allclose(new[other], old[other])
 
 
+def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_its_beginning():
+    text = "G21 G90 G54\nG0 X20 Y0 Z0\nG91 G1 X10 Y0 F600\nG90\nG1 X100\nM30\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    way, last = np.cumsum(toolpath.way_length), len(toolpath) - 1
+    own = np.where(np.isfinite(own_feeds(toolpath)), own_feeds(toolpath), 0.0)
+    # air on the first third of the last block
+    at = Places(np.append(np.arange(last), [last - 2 / 3, last]), np.append(way[:-1], [0.0, way[-1]]))
+    plan = FeedPlan((at,), (np.append(own[:-1], [0.1, 0.01]),), ())
+    new = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan).toolpath
+    border = (2.0 * toolpath.tip[-2] + toolpath.tip[-1]) / 3.0
+    beyond = (new.tip - border) @ toolpath.way[-1] > 1e-8
+    assert beyond.any() and np.allclose(own_feeds(new)[beyond], 0.01)
+
+
 def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
     text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
     machine = tp.Machine.load("xyzac-trunnion")

@@ -44,7 +44,7 @@ ROUND = 1e-6
 CLOSE = 2e-6
 """Share by which a feed that is read back may be above the planned one: that, and rounding of the way."""
 NEAR = 2e-6
-"""Way over which two pieces may overlap by rounding [m]."""
+"""By how much the end of a piece may be elsewhere by rounding [m]."""
 SAME = 1e-9
 """Share by which the time of a block that keeps its text may differ: rounding."""
 
@@ -115,6 +115,7 @@ def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten
     pieces = {line: text for line, (_, text) in shares.items() if line in job.lines}
     new, read = job.probe(pieces)
     wrong = {int(block) for block in job.passes.block[strays(job, new, read)]} & set(pieces)
+    wrong |= _misplaced(new, read, {line: shares[line][0] for line in pieces})
     if wrong:
         pieces = {line: lines for line, lines in pieces.items() if line not in wrong}
         new, read = job.probe(pieces)
@@ -124,6 +125,18 @@ def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten
         planned = feeds.piece_times(k, shares[line][0]) if line in pieces else [feeds.planned_time(k)]
         words[line] = [rounded_down(PROBE * float(a / b)) for a, b in zip(probed, planned)]
     return job.rewriting.write(words, pieces), pieces
+
+
+def _misplaced(new: Rewritten, read: ToolPath, shares: Mapping[int, Floats]) -> set[int]:
+    """Lines whose pieces end elsewhere on their way than at the shares of it: another datum, say, was in force."""
+    by_line = np.zeros(len(new.back) + 1)
+    np.add.at(by_line, read.block, read.way_length)
+    found = set()
+    for line, share in shares.items():
+        ends = np.cumsum(by_line[new.bearers[line]])
+        if (np.abs(ends[:-1] - share * ends[-1]) > NEAR).any():
+            found.add(line)
+    return found
 
 
 def _before(wrong: Bools, kept: Bools) -> Bools:

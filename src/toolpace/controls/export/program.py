@@ -61,7 +61,7 @@ class Places:
             if absolute and _STRAIGHT.fullmatch(code.rstrip()):
                 found.before[number] = dict(now)
             for letter, value in _AXIS.findall(code):
-                if value:
+                if value and absolute:
                     now[letter] = float(value)
                 else:
                     now.pop(letter, None)
