@@ -274,6 +274,13 @@ def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
     assert np.allclose(new[other], old[other])
 
 
+def test_a_block_behind_a_skip_sign_finds_the_old_feed_in_force():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\n/G1 X60\nG0 Z20\nM30\n"
+    before, written = changed(text, "linuxcnc", {3: 0.1})
+    assert 4 not in before.block
+    assert "G1 X30 F6000\nF600\n/G1 X60\n" in written.data.decode()
+
+
 def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_its_beginning():
     text = "G21 G90 G54\nG0 X20 Y0 Z0\nG91 G1 X10 Y0 F600\nG90\nG1 X100\nM30\n"
     machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))

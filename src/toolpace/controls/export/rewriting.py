@@ -193,6 +193,7 @@ class Rewriting:
                 last = -1
         if self.inverse and last >= 0:
             behind.append(int(self.passes.block[last]))
+        behind += self._before_skipped()
         if not behind:
             return {}
         found, feed, mode = {}, "", ""
@@ -201,6 +202,15 @@ class Rewriting:
             feed, mode = self.words.feed_in(line) or feed, self.words.mode_in(line) or mode
             if number in wanted and (feed or self.inverse):
                 found[number] = self.words.alone(feed, mode, self.inverse)
+        return found
+
+    def _before_skipped(self) -> list[int]:
+        """Lines that got a feed, each the last before one that was not read as run and that a switch (/) lets run."""
+        chosen, run = np.unique(self.passes.block[self.chosen]), set(self.passes.block.tolist())
+        found = []
+        for number, line in enumerate(self.text.lines, start=1):
+            if line.lstrip().startswith("/") and number not in run and (at := np.searchsorted(chosen, number)) > 0:
+                found.append(int(chosen[at - 1]))
         return found
 
     def write(self, feeds: Mapping[int, Sequence[str]], pieces: Mapping[int, Sequence[str]]) -> Rewritten:
