@@ -1,0 +1,105 @@
+"""What the scripts of the report calculate, without a browser: lists, steps from block to block, playing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.support import motions
+from tests.support.report_pages import calculated
+from toolpace.results.report import report
+from toolpace.results.report.keyframes import TICK, keyframes
+from toolpace.results.report.player_data import program_text
+
+TRAJECTORY, PROGRAM = motions.Trajectory(), motions.program()
+LISTS = "const found = costTables(player); return found;"
+
+
+def page_of(tmp_path, toolpath=None):
+    """The text of a report."""
+    report(TRAJECTORY, tmp_path / "report.html", toolpath)
+    return (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def text(tmp_path_factory):
+    return page_of(tmp_path_factory.mktemp("scripts"), PROGRAM)
+
+
+def test_a_motion_without_a_tool_path_has_no_operations_and_its_blocks(tmp_path):
+    found = calculated(page_of(tmp_path), LISTS)
+    assert found["operations"] == [] and found["slow"] == []
+    assert found["blocks"][0]["cells"][0].startswith("line ")
+
+
+def test_lists_are_made_of_more_lines_than_a_call_takes_arguments(text):
+    many = """
+        const n = 400000;
+        player.passages = { t: Float64Array.from({ length: n }, (_, k) => (k * player.duration) / n), operation: new Int32Array(n),
+          line: Int32Array.from({ length: n }, (_, k) => k + 1), kind: new Int32Array(n) };
+        player.lineTimes.clear(); player.account();
+        return [largest(player.lineTimes.values()) * n / player.duration, costTables(player).blocks.length];
+    """
+    assert calculated(text, many) == [pytest.approx(1.0), 60]
+
+
+def test_a_line_of_megabytes_is_short_in_lists(text):
+    script = 'player.text = Array(900).fill("G1 X" + "1".repeat(5e6)); return costTables(player).blocks[0].cells[1].length;'
+    assert calculated(text, script) <= 500
+
+
+def test_steps_lead_through_blocks_that_begin_at_the_same_moment(text):
+    script = """
+        player.passages.t = Float64Array.from([0, 0.5, 0.5, 0.5, 1]); player.passages.line = Int32Array.from([1, 2, 3, 4, 5]);
+        const times = [];
+        player.seek(player.duration);
+        for (let k = 0; k < 4; k++) { player.step(-1); times.push(player.t); }
+        for (let k = 0; k < 2; k++) { player.step(1); times.push(player.t); }
+        return times;
+    """
+    assert calculated(text, script) == [1.0, 0.5, 0.0, 0.0, 0.5, 1.0]
+
+
+def test_the_line_at_the_moment_at_which_a_block_ends_is_the_next(text, tmp_path):
+    """Whatever the moments are rounded to; of the last block itself at the end."""
+    begins = calculated(text, "return Array.from(player.passages.t);")
+    points = TRAJECTORY.sample()
+    exact = points.t[np.flatnonzero(np.diff(points.block)) + 1]
+    assert begins[0] == 0.0 and max(begins) <= TRAJECTORY.duration
+    assert all(min(abs(np.array(begins) - t)) <= 2e-3 for t in exact.tolist())
+    found = calculated(text, "return Array.from(player.passages.t, (t) => player.lineAt(t - 2e-10));")
+    assert found == calculated(text, "return Array.from(player.passages.line);")
+    assert calculated(text, "return player.lineAt(player.duration);") == points.block[-1]
+
+
+def test_playing_on_at_once_plays_no_faster(text):
+    script = "player.play(); player.pause(); player.play(); return frames.filter(Boolean).length;"
+    assert calculated(text, script) == 1
+
+
+def test_keyframes_are_few_where_stops_alone_would_be_too_many():
+    many = motions.Trajectory()
+    many.starts = np.linspace(0.0, 0.9 * many.duration, 300)
+    found = keyframes(many, most=100)
+    assert len(found.t) <= 100 and found.t[-1] == many.duration
+
+
+@pytest.mark.parametrize("duration", [0.4 * TICK, 0.6 * TICK, 7.3 * TICK])
+def test_keyframes_of_a_moment_reach_to_its_end(duration):
+    short = motions.Trajectory()
+    short.starts, short.duration = np.zeros(1), duration
+    found = keyframes(short)
+    assert found.t[0] == 0.0 and found.t[-1] == duration and (np.diff(found.t) > 0.0).all()
+
+
+def test_a_name_that_is_no_text_is_written_out(tmp_path):
+    """As the system hands over a file's name in another encoding."""
+    text = page_of(tmp_path, replace(PROGRAM, source="part\udcff\u202e.nc"))
+    assert "part\\udcff\\u202e.nc" in text
+
+
+def test_lines_of_a_program_are_those_that_its_reader_counts():
+    text = program_text("A\fB\u2028C\r\nD\rE\n".encode())
+    assert text is not None and text.decode().split("\n") == ["A\\x0cB\\u2028C", "D", "E", ""]
