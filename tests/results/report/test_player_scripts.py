@@ -37,8 +37,9 @@ def test_a_motion_without_a_tool_path_has_no_operations_and_its_blocks(tmp_path)
 def test_lists_are_made_of_more_lines_than_a_call_takes_arguments(text):
     many = """
         const n = 400000;
-        player.passages = { t: Float64Array.from({ length: n }, (_, k) => (k * player.duration) / n), operation: new Int32Array(n),
-          line: Int32Array.from({ length: n }, (_, k) => k + 1), kind: new Int32Array(n) };
+        const count = (from, by) => Float64Array.from({ length: n }, (_, k) => from + k * by);
+        const none = count(0, 0);
+        player.passages = { t: count(0, player.duration / n), line: count(1, 1), operation: none, kind: none };
         player.lineTimes.clear(); player.account();
         return [largest(player.lineTimes.values()) * n / player.duration, costTables(player).blocks.length];
     """
@@ -46,13 +47,17 @@ def test_lists_are_made_of_more_lines_than_a_call_takes_arguments(text):
 
 
 def test_a_line_of_megabytes_is_short_in_lists(text):
-    script = 'player.text = Array(900).fill("G1 X" + "1".repeat(5e6)); return costTables(player).blocks[0].cells[1].length;'
+    script = """
+        player.text = Array(900).fill("G1 X" + "1".repeat(5e6));
+        return costTables(player).blocks[0].cells[1].length;
+    """
     assert calculated(text, script) <= 500
 
 
 def test_steps_lead_through_blocks_that_begin_at_the_same_moment(text):
     script = """
-        player.passages.t = Float64Array.from([0, 0.5, 0.5, 0.5, 1]); player.passages.line = Int32Array.from([1, 2, 3, 4, 5]);
+        player.passages.t = Float64Array.from([0, 0.5, 0.5, 0.5, 1]);
+        player.passages.line = Int32Array.from([1, 2, 3, 4, 5]);
         const times = [];
         player.seek(player.duration);
         for (let k = 0; k < 4; k++) { player.step(-1); times.push(player.t); }
@@ -77,6 +82,24 @@ def test_the_line_at_the_moment_at_which_a_block_ends_is_the_next(text, tmp_path
 def test_playing_on_at_once_plays_no_faster(text):
     script = "player.play(); player.pause(); player.play(); return frames.filter(Boolean).length;"
     assert calculated(text, script) == 1
+
+
+def test_the_way_of_whole_turns_between_keyframes_is_seen(text):
+    """Two turns between two keyframes end where they began, and so does their middle: a circle of 40 mm, twice."""
+    script = """
+        const { motion } = player, c = player.joints.findIndex((joint) => joint.name === "C");
+        motion.t = Float64Array.from([0, 1]);
+        motion.q = motion.q.map((_, j) => Float64Array.from(j === c ? [0, 4 * Math.PI] : j ? [0, 0] : [40, 40]));
+        motion.v = motion.v.map((_, j) => Float64Array.from(j === c ? [4 * Math.PI, 4 * Math.PI] : [0, 0]));
+        const { tips } = motion.samples(0.01, 10000), far = (a, b) => Math.hypot(...a.map((v, k) => v - b[k]));
+        return tips.slice(1).reduce((sum, tip, k) => sum + far(tip, tips[k]), 0);
+    """
+    assert calculated(text, script) == pytest.approx(2 * 2 * np.pi * 40.0, rel=2e-3)
+
+
+def test_a_time_that_is_rounded_to_a_minute_is_one(text):
+    script = 'return [clock(59.99996), clock(119.9999), clock(3599.9999), clock(61.5), clock(0.00021, 1e-4)];'
+    assert calculated(text, script) == ["1:00.000", "2:00.000", "1:00:00.000", "1:01.500", "0.0002 s"]
 
 
 def test_keyframes_are_few_where_stops_alone_would_be_too_many():

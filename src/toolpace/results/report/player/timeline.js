@@ -339,7 +339,7 @@ function niceStep(least) {
 
 // From ten seconds on people count in sixtieths.
 function sixtieth(least) {
-  return [15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200].find((k) => k >= least) || 14400;
+  return [15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200].find((k) => k >= least) || 14400 * Math.ceil(least / 14400);
 }
 
 function niceTicks(top, count) {
@@ -354,7 +354,8 @@ function decimal(least) {
 
 // A time as people write it: 12.5 s, 3:07, 1:02:30.
 function clock(t, step = 0.001) {
-  const digits = step >= 1 ? 0 : Math.min(Math.ceil(-Math.log10(step)), 3);
+  const digits = step >= 1 ? 0 : Math.min(Math.ceil(-Math.log10(step)), 4);
+  t = Number(t.toFixed(digits));  // 59.9999 s are a minute
   if (t < 60 && step < 10) return `${t.toFixed(digits)} s`;
   const whole = Math.floor(t / 60), seconds = (t - 60 * whole).toFixed(digits).padStart(digits ? digits + 3 : 2, "0");
   const hours = Math.floor(whole / 60);
