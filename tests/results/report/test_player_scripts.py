@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 
 from tests.support import motions
 from tests.support.report_pages import calculated
+from toolpace.machine.machine import Machine
 from toolpace.results.report import report
 from toolpace.results.report.keyframes import TICK, keyframes
+from toolpace.results.report.machine_view import machine_view
 from toolpace.results.report.player_data import program_text
 
 TRAJECTORY, PROGRAM = motions.Trajectory(), motions.program()
@@ -77,6 +80,23 @@ def test_the_line_at_the_moment_at_which_a_block_ends_is_the_next(text, tmp_path
     found = calculated(text, "return Array.from(player.passages.t, (t) => player.lineAt(t - 2e-10));")
     assert found == calculated(text, "return Array.from(player.passages.line);")
     assert calculated(text, "return player.lineAt(player.duration);") == points.block[-1]
+
+
+@pytest.mark.parametrize("name", ["xyzac-trunnion", "xyzbc-nutating", "xyzbc-head", "xyzab-table"])
+def test_the_chain_of_the_page_is_that_of_the_machine(text, name):
+    """With a workpiece that is clamped askew, and a tool of any length, also none."""
+    as_text = Machine.load(name).to_toml()
+    askew = "workpiece_x = [0.6, 0.8, 0.0]\nworkpiece_z = [0.48, -0.36, 0.8]\n"
+    machine = Machine.from_toml(as_text.replace("workpiece_origin", askew + "workpiece_origin", 1))
+    random = np.random.default_rng(3)
+    q = random.normal(size=(8, len(machine.joints))) * np.where(machine.is_rotary, 2.0, 0.2)
+    length = np.append(random.uniform(-0.05, 0.3, 7), 0.0)
+    shown = (q * np.where(machine.is_rotary, 1.0, 1e3)).tolist(), (1e3 * length).tolist()
+    chain = f"const [q, length] = {json.dumps(shown)}, machine = new Machine({json.dumps(machine_view(machine))});"
+    found = calculated(text, f"{chain} return q.map((each, k) => machine.tool(each, length[k]));")
+    tip, axis = machine.forward(q, length)
+    np.testing.assert_allclose([each["tip"] for each in found], 1e3 * tip, atol=1e-9)
+    np.testing.assert_allclose([each["axis"] for each in found], axis, atol=1e-12)
 
 
 def test_playing_on_at_once_plays_no_faster(text):
