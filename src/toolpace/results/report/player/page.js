@@ -20,7 +20,7 @@ async function start() {
     const line = player.lineAt(t);
     if (program) program.light(line);
     clockOf.textContent = `${clock(t)} / ${clock(player.duration, 0.01)}`;
-    const speed = player.valueAt("tip speed", t), words = [`line ${line}`, player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
+    const speed = player.valueAt("tip speed", t), words = [line ? `line ${line}` : "", player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
       Number.isNaN(speed) ? "" : `${spaced(speed)} mm/min`, player.limitAt(t)];
     readout.textContent = words.filter(Boolean).join(" · ");
     playButton.setAttribute("aria-label", player.playing ? "Pause" : "Play");

@@ -56,6 +56,7 @@ class Player {
   // At the moment at which one ends the next is passed.
   passageAt(t) { return lastAt(this.passages.t, t + 1e-9); }
   lineAt(t) { return this.passages.line[this.passageAt(t)]; }
+  placeAt(t) { const line = this.lineAt(t); return `${t.toFixed(3)} s${line ? `, line ${line}` : ""}`; }
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
   stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }

@@ -250,7 +250,7 @@ class Timeline {
       ink.fillRect(x - 0.75, overview.y + overview.height + 4, 1.5, this.height - overview.height - 34);
     }
     this.element.setAttribute("aria-valuenow", t.toFixed(3));
-    this.element.setAttribute("aria-valuetext", `${t.toFixed(3)} s, line ${this.player.lineAt(t)}`);
+    this.element.setAttribute("aria-valuetext", this.player.placeAt(t));
   }
 
   listen() {
@@ -307,7 +307,7 @@ class Timeline {
   tell(x, y) {
     const t = this.time(x), row = this.rows.find((r) => y >= r.y - 4 && y <= r.y + r.height + 4);
     if (!row || x < LEFT || x > LEFT + this.span || row.kind === "overview") { this.hint.hidden = true; return; }
-    const lines = [`${t.toFixed(3)} s, line ${this.player.lineAt(t)}`];
+    const lines = [this.player.placeAt(t)];
     if (row.kind === "operations") lines.push(this.player.operationName(this.player.operationAt(t)));
     if (row.kind === "strip") lines.push(this.player.limitAt(t));
     if (row.kind === "curves") {
