@@ -66,8 +66,12 @@ class Space {
   }
 
   makePath() {
-    const lines = { cutting: [], rapid: [] };
-    for (let k = 1; k < this.times.length; k++) (this.kinds[k] === 1 ? lines.rapid : lines.cutting).push(k);
+    const lines = { cutting: [], rapid: [] }, { motion } = this.player;
+    for (let k = 1; k < this.times.length; k++) {
+      // where the tool is changed the tip is elsewhere, without a way there
+      if (motion.length(this.times[k - 1]) !== motion.length(this.times[k])) continue;
+      (this.kinds[k] === 1 ? lines.rapid : lines.cutting).push(k);
+    }
     this.lines = {};
     for (const [name, ends] of Object.entries(lines)) {
       const points = new Float32Array(6 * ends.length);
