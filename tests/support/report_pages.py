@@ -6,9 +6,11 @@ import base64
 import json
 import re
 import shutil
+import subprocess
 import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,15 @@ import numpy as np
 import pytest
 
 MISSING = -(2**31)
+UNDRAWN = ("arrays", "motion", "timeline", "program", "player")
+"""Scripts of the report that calculate, and need no page for that."""
+STUBS = """
+const frames = [], look = { getPropertyValue: () => "", fontFamily: "" };
+globalThis.document = {};
+globalThis.getComputedStyle = () => look;
+globalThis.requestAnimationFrame = (f) => frames.push(f);
+globalThis.cancelAnimationFrame = (k) => { frames[k - 1] = null; };
+"""
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 GRAPHICS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
@@ -90,3 +101,22 @@ def opened(path: Path, width: int = 1300, height: int = 1000, scheme: str = "lig
             yield found
         finally:
             chromium.close()
+
+
+def calculated(text: str, script: str) -> Any:
+    """What a script returns with the `player` and the `data` of a page, in Node.js and without a page: the value of
+    the body of a function. `frames` are those that were asked for. Skips where there is no Node.js."""
+    driver = pytest.importorskip("playwright._impl._driver")
+    folder = files("toolpace.results.report").joinpath("player")
+    scripts = "\n".join(folder.joinpath(f"{name}.js").read_text(encoding="utf-8") for name in UNDRAWN)
+    data = json.dumps(embedded(text))
+    main = f"""Arrays.of(data.arrays).then((arrays) => {{
+        const player = new Player(data, arrays);
+        process.stdout.write(JSON.stringify((() => {{ {script} }})()));
+    }});"""
+    ran = subprocess.run(
+        [driver.compute_driver_executable()[0], "-"], input=f"{STUBS}{scripts}\nconst data = {data};\n{main}",
+        capture_output=True, text=True, encoding="utf-8", timeout=60, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr[-2000:]
+    return json.loads(ran.stdout)

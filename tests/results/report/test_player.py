@@ -138,5 +138,18 @@ def test_it_plays_and_is_played_by_keys(planned):
         assert page.run("toolpace.state().playing") is True
         press("Space")
         assert page.run("toolpace.state().playing") is False
+        # the view in space has keys of its own, and what is folded opens by space
+        page.page.locator("#space canvas").focus()
+        before, t = page.run("toolpace.onScreen([0, 0, 0])"), page.run("toolpace.state().t")
+        press("ArrowUp")
+        page.page.wait_for_timeout(50)
+        assert page.run("toolpace.onScreen([0, 0, 0])") != before and page.run("toolpace.state().t") == t
+        page.page.locator("summary").last.press("Space")
+        assert page.page.locator("details[open]").count() == 1 and page.run("toolpace.state().playing") is False
+        # paper is light, and the page is dark again behind it
+        page.run("dispatchEvent(new Event('beforeprint'))")
+        assert page.run("getComputedStyle(document.documentElement).colorScheme") == "light"
+        page.run("dispatchEvent(new Event('afterprint'))")
+        assert page.run("getComputedStyle(document.documentElement).colorScheme") == "dark"
         assert page.run("document.documentElement.scrollWidth") <= 701
         assert page.problems == []

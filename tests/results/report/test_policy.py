@@ -9,7 +9,7 @@ import pytest
 from tests.support import motions
 from tests.support.report_pages import opened
 from toolpace.results.report import write_report
-from toolpace.results.report.shell import checksum, with_policy
+from toolpace.results.report.shell import checksum, framed, with_policy
 
 INTRUDER = (
     "<script>document.title = 'intruder 1'</script><img src='data:,' onerror=\"document.title = 'intruder 2'\">"
@@ -59,6 +59,11 @@ def test_data_is_no_script_and_a_page_without_a_head_is_none():
     assert policy_of(with_policy(text))["script-src"] == checksum("1")
     with pytest.raises(ValueError, match="a page without"):
         with_policy("<script>1</script>")
+
+
+def test_every_page_can_be_written_whatever_a_file_is_called():
+    text = framed("part\udcff.nc", "<h1>part\udcff.nc</h1>")
+    assert text.encode() and text.count("part\\udcff.nc") == 2
 
 
 @pytest.mark.browser

@@ -15,9 +15,10 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats
 from toolpace.motion.trajectory import Trajectory
+from toolpace.results.report.packed_arrays import LARGEST
 
 TICK = 1e-5
-"""Times are multiples of it [s]."""
+"""Times are multiples of it [s]; of a larger one where a page could not number them all."""
 FINE = 1e-6
 """Most distance of a joint from its motion [m], [rad]: less than a screen shows of a machine that fills it."""
 COARSER = 4.0
@@ -42,6 +43,8 @@ class Keyframes:
     """(n, m) [m/s], [rad/s]"""
     tolerance: float
     """Most distance of a joint from its motion where it was looked at [m], [rad]."""
+    tick: float
+    """All times but the last are multiples of it [s]."""
 
 
 def keyframes(trajectory: Trajectory, most: int = MOST) -> Keyframes:
@@ -58,9 +61,12 @@ def _within(trajectory: Trajectory, tolerance: float, most: int) -> Keyframes | 
     """Those that are within a tolerance; None where these are too many."""
     end = trajectory.duration
     count = int(min(max(np.ceil(end / LONGEST), 2), max(most // 2, 2)))
-    grid = np.concatenate([np.linspace(0.0, end, count + 1), trajectory.starts])
-    ticks = np.unique(np.round(np.clip(grid, 0.0, end) / TICK).astype(np.int64))
-    t = np.minimum(ticks * TICK, end)
+    tick = max(TICK, end / LARGEST)
+    # so many stops that they alone would be too many are found like all else
+    starts = trajectory.starts if len(trajectory.starts) <= most // 4 else np.zeros(0)
+    grid = np.concatenate([np.linspace(0.0, end, count + 1)[:-1], starts[starts < end]])
+    ticks = np.unique(np.append(np.round(grid / tick), np.ceil(end / tick)).astype(np.int64))
+    t = np.minimum(ticks * tick, end)
     q, qd = _motion(trajectory, t)
     # a new keyframe is put into the middle of its stretch, and both halves are looked at again
     waiting = np.ones(len(t) - 1, dtype=np.bool_)
@@ -71,14 +77,14 @@ def _within(trajectory: Trajectory, tolerance: float, most: int) -> Keyframes | 
         poor, middle = poor[middle > ticks[poor]], middle[middle > ticks[poor]]
         if len(t) + len(poor) > most:
             return None
-        between = np.minimum(middle * TICK, end)
+        between = np.minimum(middle * tick, end)
         q_new, qd_new = _motion(trajectory, between)
         waiting = np.zeros(len(t) - 1, dtype=np.bool_)
         waiting[poor] = True
         waiting = np.insert(waiting, poor, True)
         ticks, t = np.insert(ticks, poor + 1, middle), np.insert(t, poor + 1, between)
         q, qd = np.insert(q, poor + 1, q_new, axis=0), np.insert(qd, poor + 1, qd_new, axis=0)
-    return Keyframes(t, q, qd, tolerance)
+    return Keyframes(t, q, qd, tolerance, tick)
 
 
 def _motion(trajectory: Trajectory, t: Floats) -> tuple[Floats, Floats]:

@@ -32,13 +32,11 @@ def machine_view(machine: Machine) -> dict[str, object]:
 def _joint(machine: Machine, name: str) -> dict[str, object]:
     joint = machine.file.joints[name]
     direction = np.asarray(joint.direction) / np.linalg.norm(joint.direction)
-    travel = joint.travel
     return {
         "column": machine.joints.index(name),
         "rotary": joint.kind == "rotary",
         "direction": direction.tolist(),
         "point": _mm(joint.point),
-        "travel": None if travel is None or joint.kind == "rotary" else _mm(travel),
     }
 
 

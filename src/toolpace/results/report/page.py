@@ -64,7 +64,7 @@ def report_page(
     units = units_of(machine, setpoints.joints)
     curves = curves or Curves.of(setpoints, trajectory.limits, units, toolpath)
     source = toolpath.source if toolpath is not None else ""
-    program = (figures.program if figures is not None else "") or source or "motion"
+    program = printable((figures.program if figures is not None else "") or source or "motion")
     where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
     title = f"{program} on {where}" if where else program
     palette = colours(setpoints.joints)

@@ -57,7 +57,8 @@ def player_data(
         "colours": list(colours(joints).values()),
         "strip": arrays.add(binding(trajectory, strip_times)),
         "passages": {
-            "t": arrays.add(passed.t, TICK),
+            # not after it begins, so that at the moment at which one ends the next is passed
+            "t": arrays.add(np.floor(passed.t / TICK) * TICK, TICK),
             "line": arrays.add(passed.line),
             "operation": arrays.add(passed.operation),
             "kind": arrays.add(passed.kind),
@@ -79,16 +80,18 @@ def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArray
         return {"keyframes": None, "machine": None}
     frames = keyframes(trajectory)
     lengths = np.asarray(trajectory.axis_path.tool_lengths, dtype=np.float64)
+    lengths = np.where(np.isnan(lengths), machine.tool_length, lengths)
+    changes = np.flatnonzero(np.diff(lengths, prepend=np.nan) != 0.0)
     return {
         "keyframes": {
-            "t": arrays.add(frames.t, TICK),
+            "t": arrays.add(frames.t, frames.tick),
             "q": [arrays.add(each, 0.01 * frames.tolerance) for each in frames.q.T],
             "v": [arrays.add(each, SLOPE * frames.tolerance) for each in frames.qd.T],
         },
         "rotary": machine.is_rotary.tolist(),
         "tools": {
-            "t": trajectory.starts.tolist(),
-            "length": (1e3 * np.where(np.isnan(lengths), machine.tool_length, lengths)).tolist(),
+            "t": trajectory.starts[changes].tolist(),
+            "length": (1e3 * lengths[changes]).tolist(),
         },
         "machine": machine_view(machine),
     }

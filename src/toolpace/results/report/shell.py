@@ -79,7 +79,8 @@ def framed(
         body=body,
         scripts=drawn + "\n".join(f"<script>\n{each}\n</script>" for each in scripts),
     )
-    return with_policy(page)
+    # the system hands over a file's name in another encoding as halves of characters, which no file can hold
+    return with_policy(page.encode("utf-8", "backslashreplace").decode("utf-8"))
 
 
 def _plotly() -> str:

@@ -3,7 +3,8 @@ class Arrays {
   constructor(bytes) { this.data = bytes; }
 
   static async of(text) {
-    const raw = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const letters = atob(text), raw = new Uint8Array(letters.length);
+    for (let i = 0; i < raw.length; i++) raw[i] = letters.charCodeAt(i);
     const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
     return new Arrays(new Uint8Array(await new Response(stream).arrayBuffer()));
   }

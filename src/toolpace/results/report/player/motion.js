@@ -94,9 +94,14 @@ class Motion {
     let before = this.tool(0).tip;
     times.push(0); tips.push(before);
     for (let k = 0; k + 1 < this.t.length; k++) {
-      const now = this.tool(this.t[k + 1]).tip;
-      between(this.t[k], this.t[k + 1], before, now, 0);
-      before = now;
+      // a middle tells nothing of a whole turn
+      const turn = Math.max(0, ...this.q.map((q, j) => (this.rotary[j] ? Math.abs(q[k + 1] - q[k]) : 0)));
+      const parts = off < Infinity && times.length < most ? Math.min(Math.ceil(turn), 64) || 1 : 1, h = (this.t[k + 1] - this.t[k]) / parts;
+      for (let i = 1; i <= parts; i++) {
+        const end = i < parts ? this.t[k] + i * h : this.t[k + 1], now = this.tool(end).tip;
+        between(i > 1 ? end - h : this.t[k], end, before, now, 0);
+        before = now;
+      }
     }
     return { times, tips };
   }

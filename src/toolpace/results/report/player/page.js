@@ -20,10 +20,9 @@ async function start() {
     const line = player.lineAt(t);
     if (program) program.light(line);
     clockOf.textContent = `${clock(t)} / ${clock(player.duration, 0.01)}`;
-    const speed = player.valueAt("tip speed", t), words = [`line ${line}`, player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
+    const speed = player.valueAt("tip speed", t), words = [line ? `line ${line}` : "", player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
       Number.isNaN(speed) ? "" : `${spaced(speed)} mm/min`, player.limitAt(t)];
     readout.textContent = words.filter(Boolean).join(" · ");
-    playButton.setAttribute("aria-pressed", String(!!player.playing));
     playButton.setAttribute("aria-label", player.playing ? "Pause" : "Play");
     document.body.classList.toggle("playing", !!player.playing);
     if (space) joints(player, t);
@@ -66,25 +65,35 @@ async function start() {
   const keys = { " ": actions.play, Home: actions.begin, End: actions.end, "+": () => faster(1), "-": () => faster(-1), f: actions.frame,
     ArrowLeft: actions.back, ArrowRight: actions.next, "[": actions.farther, "]": actions.closer, 0: actions.all };
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName)) return;
     if (event.key === " " && event.target.tagName === "BUTTON") return;
-    if (event.shiftKey && event.key.startsWith("Arrow")) player.seek(player.t + (event.key === "ArrowLeft" ? -1 : event.key === "ArrowRight" ? 1 : 0));
-    else if (keys[event.key]) keys[event.key]();
+    if (event.shiftKey && /^Arrow(Left|Right)$/.test(event.key)) player.seek(player.t + (event.key === "ArrowLeft" ? -1 : 1));
+    else if (keys[event.key] || keys[event.key.toLowerCase()]) (keys[event.key] || keys[event.key.toLowerCase()])();
     else return;
     event.preventDefault();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => repaint(player, timeline, space));
+  // paper is light
+  let shown;
+  window.addEventListener("beforeprint", () => { shown = document.documentElement.dataset.theme; dress("light", player, timeline, space); });
+  window.addEventListener("afterprint", () => dress(shown, player, timeline, space));
   window.toolpace = { seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(), state: () => player.state(),
     onScreen: (point) => space && space.onScreen(point) };
   colourKey();
-  showTab(program ? "program" : "blocks");
+  const tab = document.querySelector("[data-tab]:not([hidden])");
+  if (tab) showTab(tab.dataset.tab); else document.querySelector(".side").remove();
   player.seek(0);
   window.toolpaceReady = true;
 }
 
 function theme(player, timeline, space) {
   const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-  root.dataset.theme = dark ? "light" : "dark";
+  dress(dark ? "light" : "dark", player, timeline, space);
+}
+
+// In the colours of a theme; of the system's without a name.
+function dress(name, player, timeline, space) {
+  if (name) document.documentElement.dataset.theme = name; else delete document.documentElement.dataset.theme;
   repaint(player, timeline, space);
 }
 
@@ -96,7 +105,7 @@ function repaint(player, timeline, space) {
 }
 
 function showTab(name) {
-  for (const button of document.querySelectorAll("[data-tab]")) button.setAttribute("aria-selected", String(button.dataset.tab === name));
+  for (const button of document.querySelectorAll("[data-tab]")) button.setAttribute("aria-pressed", String(button.dataset.tab === name));
   for (const panel of document.querySelectorAll("[data-panel]")) panel.hidden = panel.dataset.panel !== name;
 }
 
@@ -145,4 +154,9 @@ function tables(player) {
   }
 }
 
-start();
+start().catch((error) => {
+  const word = document.getElementById("no-player");
+  word.textContent = `The motion cannot be played here (${error.message}); a browser of the last two years can.`;
+  word.hidden = false;
+  throw error;
+});

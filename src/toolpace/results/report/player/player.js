@@ -9,7 +9,7 @@ class Player {
     this.limits = data.limits.map((name, k) => ({ name, colour: data.colours[k] }));
     this.strip = arrays.whole(data.strip);
     this.operations = data.operations;
-    this.passages = { t: arrays.numbers(data.passages.t), line: arrays.whole(data.passages.line),
+    this.passages = { t: arrays.numbers(data.passages.t).map((t) => Math.min(t, data.duration)), line: arrays.whole(data.passages.line),
       operation: arrays.whole(data.passages.operation), kind: arrays.whole(data.passages.kind) };
     this.text = data.program ? new TextDecoder().decode(arrays.bytes(data.program)).split("\n") : null;
     this.t = 0;
@@ -53,8 +53,10 @@ class Player {
     this.usual = Math.min(1.05 * Math.max(sorted[Math.floor(0.97 * (sorted.length - 1))], 1e-6), this.highest);
   }
 
-  passageAt(t) { return lastAt(this.passages.t, t); }
+  // At the moment at which one ends the next is passed.
+  passageAt(t) { return lastAt(this.passages.t, t + 1e-9); }
   lineAt(t) { return this.passages.line[this.passageAt(t)]; }
+  placeAt(t) { const line = this.lineAt(t); return `${t.toFixed(3)} s${line ? `, line ${line}` : ""}`; }
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
   stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }
@@ -111,25 +113,29 @@ class Player {
     this.playing = true;
     let before = performance.now();
     const step = (now) => {
-      if (!this.playing) return;
       this.seek(this.t + (this.rate * (now - before)) / 1e3);
       before = now;
-      if (this.t >= this.duration) this.pause(); else requestAnimationFrame(step);
+      if (this.t >= this.duration) this.pause(); else if (this.playing) this.frame = requestAnimationFrame(step);
     };
-    requestAnimationFrame(step);
+    this.frame = requestAnimationFrame(step);
     for (const watch of this.watchers) watch(this.t);
   }
 
   pause() {
+    // a frame that still came would play at twice the speed where it goes on at once
+    cancelAnimationFrame(this.frame);
     this.playing = false;
     for (const watch of this.watchers) watch(this.t);
   }
 
   // To the beginning of the block that is passed, the one before or the next.
   step(by) {
-    const { t } = this.passages, k = this.passageAt(this.t + 1e-7);
-    if (by > 0) this.seek(k + 1 < t.length ? t[k + 1] : this.duration);
-    else this.seek(this.t > t[k] + 1e-6 ? t[k] : t[Math.max(k - 1, 0)]);
+    const { t } = this.passages;
+    let k = this.passageAt(this.t + 1e-7);
+    if (by > 0) { this.seek(k + 1 < t.length ? t[k + 1] : this.duration); return; }
+    // several begin at the same moment where blocks are very short
+    while (k > 0 && t[k] >= this.t - 1e-6) k--;
+    this.seek(t[k]);
   }
 
   state() {

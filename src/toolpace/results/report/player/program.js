@@ -1,5 +1,7 @@
 // The program as text, of which the line that runs is lit, and what its time goes to.
 const ROW = 20;
+const TALLEST = 8e6;  // pixels of a list: browsers draw nothing beyond some 17 million
+const WIDEST = 500;  // characters of a line that are shown: laying out a line of some MB takes seconds
 
 // A list of which only the rows in sight are elements.
 class Listing {
@@ -8,25 +10,33 @@ class Listing {
     this.lit = -1;
     this.inner = document.createElement("div");
     this.inner.className = "inner";
-    this.inner.style.height = `${count * ROW}px`;
+    this.tall = Math.min(count * ROW, TALLEST);
+    this.inner.style.height = `${this.tall}px`;
     element.replaceChildren(this.inner);
     element.addEventListener("scroll", () => this.draw());
     element.addEventListener("click", (event) => {
       const row = event.target.closest(".row");
       if (row) choose(Number(row.dataset.k));
     });
-    new ResizeObserver(() => this.draw()).observe(element);
+    // also when it is shown again, which is when it can be scrolled
+    new ResizeObserver(() => { this.reveal(); this.draw(); }).observe(element);
+  }
+
+  // How far the rows stand above their places in a list that would be too tall: all of it at its end.
+  get above() {
+    const { scrollTop, clientHeight } = this.element;
+    return Math.min(scrollTop / Math.max(this.tall - clientHeight, 1), 1) * (this.count * ROW - this.tall);
   }
 
   draw() {
-    const first = Math.max(Math.floor(this.element.scrollTop / ROW) - 4, 0);
+    const { above } = this, first = Math.max(Math.floor((this.element.scrollTop + above) / ROW) - 4, 0);
     const last = Math.min(first + Math.ceil(this.element.clientHeight / ROW) + 8, this.count);
     const rows = [];
     for (let k = first; k < last; k++) {
       const row = document.createElement("div");
       row.className = k === this.lit ? "row lit" : "row";
       row.dataset.k = k;
-      row.style.top = `${k * ROW}px`;
+      row.style.top = `${k * ROW - above}px`;
       this.fill(row, k);
       rows.push(row);
     }
@@ -36,11 +46,16 @@ class Listing {
   light(k) {
     if (k === this.lit) return;
     this.lit = k;
-    const y = k * ROW, { element } = this;
-    if (k >= 0 && (y < element.scrollTop || y + ROW > element.scrollTop + element.clientHeight)) {
-      element.scrollTop = Math.max(y - 0.35 * element.clientHeight, 0);
-    }
+    this.reveal();
     this.draw();
+  }
+
+  // Scrolls to the lit row where that is out of sight.
+  reveal() {
+    const { element, lit, tall, count } = this, room = element.clientHeight, top = lit * ROW - this.above;
+    if (lit < 0 || !room || (top >= element.scrollTop && top + ROW <= element.scrollTop + room)) return;
+    const share = (tall - room) / Math.max(count * ROW - room, 1);
+    element.scrollTop = Math.max(lit * ROW - 0.35 * room, 0) * share;
   }
 }
 
@@ -51,15 +66,22 @@ function cell(text, kind) {
   return span;
 }
 
+// The largest of any number of values, which are more than a call takes arguments.
+function largest(values) {
+  let top = 1e-12;
+  for (const value of values) if (value > top) top = value;
+  return top;
+}
+
 class Program {
   constructor(player, element, text) {
     this.player = player;
     this.lines = text;
-    const costs = player.lineTimes, top = Math.max(...costs.values(), 1e-12);
+    const costs = player.lineTimes, top = largest(costs.values());
     this.list = new Listing(element, text.length, (row, k) => {
       const time = costs.get(k + 1) || 0, bar = cell("", "cost");
       bar.style.width = `${(46 * time) / top}px`;
-      row.append(cell(String(k + 1), "number"), cell(text[k], "code"), bar);
+      row.append(cell(String(k + 1), "number"), cell(text[k].slice(0, WIDEST), "code"), bar);
       if (!time) row.classList.add("still");
     }, (k) => this.go(k + 1));
   }
@@ -75,12 +97,12 @@ class Program {
 
 // What takes longest, each with a way there: blocks, operations, and places slower than the feed.
 function costTables(player) {
-  const excerpt = (line) => (player.text ? (player.text[line - 1] || "").trim() : "");
+  const excerpt = (line) => (player.text ? (player.text[line - 1] || "").slice(0, WIDEST).trim() : "");
   const share = (time) => `${((100 * time) / player.duration).toFixed(1)} %`;
   const seconds = (time) => (time < 60 ? `${figure(time)} s` : clock(time, 1));
   const blocks = [...player.lineTimes].filter(([line]) => line > 0).sort((a, b) => b[1] - a[1]).slice(0, 60)
     .map(([line, time]) => ({ t: player.lineBegins.get(line)[0], cells: [`line ${line}`, excerpt(line), seconds(time), share(time)] }));
-  const operations = [...player.operationTimes].sort((a, b) => b[1].time - a[1].time)
+  const operations = [...player.operationTimes].filter(([k]) => player.operations[k]).sort((a, b) => b[1].time - a[1].time).slice(0, 200)
     .map(([k, each]) => ({ t: each.begin, cells: [player.operationName(k), player.operations[k].tool ? `tool ${player.operations[k].tool}` : "", seconds(each.time), share(each.time)] }));
   const slow = player.slowPlaces().slice(0, 60)
     .map((each) => ({ t: each.t, cells: [`line ${player.lineAt(each.t)}`, each.limit || "no limit reached", `${seconds(each.lost)} lost`, `${Math.round(100 * each.share)} % of F`] }));

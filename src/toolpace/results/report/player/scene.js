@@ -66,8 +66,12 @@ class Space {
   }
 
   makePath() {
-    const lines = { cutting: [], rapid: [] };
-    for (let k = 1; k < this.times.length; k++) (this.kinds[k] === 1 ? lines.rapid : lines.cutting).push(k);
+    const lines = { cutting: [], rapid: [] }, { motion } = this.player;
+    for (let k = 1; k < this.times.length; k++) {
+      // where the tool is changed the tip is elsewhere, without a way there
+      if (motion.length(this.times[k - 1]) !== motion.length(this.times[k])) continue;
+      (this.kinds[k] === 1 ? lines.rapid : lines.cutting).push(k);
+    }
     this.lines = {};
     for (const [name, ends] of Object.entries(lines)) {
       const points = new Float32Array(6 * ends.length);
@@ -290,12 +294,7 @@ class Space {
       if (Math.abs(dx) + Math.abs(dy) > 3) drag.moved = true;
       if (!drag.moved) return;
       [drag.x, drag.y] = [event.clientX, event.clientY];
-      if (drag.pan) this.pan(dx, dy);
-      else {
-        this.orbit.around -= 0.007 * dx;
-        this.orbit.above = Math.min(Math.max(this.orbit.above + 0.007 * dy, -1.55), 1.55);
-      }
-      this.aim();
+      if (drag.pan) this.pan(dx, dy); else this.turn(-0.007 * dx, 0.007 * dy);
     });
     canvas.addEventListener("pointerup", (event) => {
       if (drag && !drag.moved) {
@@ -308,15 +307,41 @@ class Space {
     canvas.addEventListener("dblclick", () => this.frame());
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
-      this.orbit.far = Math.min(Math.max(this.orbit.far * Math.exp(0.0012 * event.deltaY), 0.02 * this.size), 60 * this.size);
-      this.aim();
+      this.zoom(Math.exp(0.0012 * event.deltaY));
     }, { passive: false });
+    this.listenToKeys(canvas);
+  }
+
+  // The keys of the view while it has the focus; of all others the page knows.
+  listenToKeys(canvas) {
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "Path, tool and machine in space; arrows turn the view, plus and minus zoom");
+    const turns = { ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] }, zooms = { "+": 0.85, "=": 0.85, "-": 1.18 };
+    canvas.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || !(turns[event.key] || zooms[event.key])) return;
+      if (turns[event.key]) this.turn(...turns[event.key]); else this.zoom(zooms[event.key]);
+      event.preventDefault();
+      event.stopPropagation();
+    });
+  }
+
+  turn(around, above) {
+    this.orbit.around += around;
+    this.orbit.above = Math.min(Math.max(this.orbit.above + above, -1.55), 1.55);
+    this.aim();
+  }
+
+  zoom(by) {
+    this.orbit.far = Math.min(Math.max(this.orbit.far * by, 0.02 * this.size), 60 * this.size);
+    this.aim();
   }
 
   pan(dx, dy) {
     const scale = (2 * this.orbit.far * Math.tan((this.camera.fov * Math.PI) / 360)) / this.element.clientHeight;
     const side = new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 0), up = new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 1);
     this.orbit.target.addScaledVector(side, -scale * dx).addScaledVector(up, scale * dy);
+    this.aim();
   }
 }
 

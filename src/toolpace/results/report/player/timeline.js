@@ -250,7 +250,7 @@ class Timeline {
       ink.fillRect(x - 0.75, overview.y + overview.height + 4, 1.5, this.height - overview.height - 34);
     }
     this.element.setAttribute("aria-valuenow", t.toFixed(3));
-    this.element.setAttribute("aria-valuetext", `${t.toFixed(3)} s, line ${this.player.lineAt(t)}`);
+    this.element.setAttribute("aria-valuetext", this.player.placeAt(t));
   }
 
   listen() {
@@ -307,7 +307,7 @@ class Timeline {
   tell(x, y) {
     const t = this.time(x), row = this.rows.find((r) => y >= r.y - 4 && y <= r.y + r.height + 4);
     if (!row || x < LEFT || x > LEFT + this.span || row.kind === "overview") { this.hint.hidden = true; return; }
-    const lines = [`${t.toFixed(3)} s, line ${this.player.lineAt(t)}`];
+    const lines = [this.player.placeAt(t)];
     if (row.kind === "operations") lines.push(this.player.operationName(this.player.operationAt(t)));
     if (row.kind === "strip") lines.push(this.player.limitAt(t));
     if (row.kind === "curves") {
@@ -339,7 +339,7 @@ function niceStep(least) {
 
 // From ten seconds on people count in sixtieths.
 function sixtieth(least) {
-  return [15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200].find((k) => k >= least) || 14400;
+  return [15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200].find((k) => k >= least) || 14400 * Math.ceil(least / 14400);
 }
 
 function niceTicks(top, count) {
@@ -354,7 +354,8 @@ function decimal(least) {
 
 // A time as people write it: 12.5 s, 3:07, 1:02:30.
 function clock(t, step = 0.001) {
-  const digits = step >= 1 ? 0 : Math.min(Math.ceil(-Math.log10(step)), 3);
+  const digits = step >= 1 ? 0 : Math.min(Math.ceil(-Math.log10(step)), 4);
+  t = Number(t.toFixed(digits));  // 59.9999 s are a minute
   if (t < 60 && step < 10) return `${t.toFixed(digits)} s`;
   const whole = Math.floor(t / 60), seconds = (t - 60 * whole).toFixed(digits).padStart(digits ? digits + 3 : 2, "0");
   const hours = Math.floor(whole / 60);
