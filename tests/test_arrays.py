@@ -19,15 +19,15 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
-    "BendingCompensation", "CutLoads", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp", "Probe",
-    "ProgramTime", "SetPoint",
+    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp",
+    "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
     "deflection.Projection", "PathRun",
 )  # fmt: skip
 """What functions return: nothing public takes one, and nobody need make one."""
 SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
 """Shares of a search, one a name: no array of any shape goes in."""
-BETWEEN_ROOMS = ("Trajectory.put_motion", "SetPoints.at")
-"""Sampling and judge call them with arrays that they have made."""
+BETWEEN_ROOMS = ("Trajectory.put_motion", "SetPoints.at", "SetPoints.times", "Stations.where", "ToolProfile.surface")
+"""Sampling, judge and the simulation of a cut call them with arrays that they have made."""
 LIVE = ("Measurement", "Measurement.write")
 """A follower takes any figures, and says what it made of them: tests/follow."""
 
@@ -89,7 +89,7 @@ def arrays_of(thing: Any) -> list[str]:
 
 
 def test_no_array_of_a_public_function_is_left_out() -> None:
-    protocols = ("Kinematics.", "Planner.", "Sampled.")
+    protocols = ("Kinematics.", "Planner.", "Sampled.", "Stock.")
     wanted = {
         f"{name}: {argument}"
         for name, thing in public()

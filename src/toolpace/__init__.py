@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.uncertainty import FigureEffect, TimeRange
     from toolpace.cutting.compensated_program import BendingCompensation, compensate_bending
     from toolpace.cutting.compliance import Bending
+    from toolpace.cutting.engagement.stations import Stations
+    from toolpace.cutting.engagement.table import EngagementTable
     from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
     from toolpace.cutting.forces.fixed_engagement import CuttingForces
     from toolpace.cutting.forces.material import Material
@@ -37,8 +39,9 @@ if TYPE_CHECKING:
     from toolpace.cutting.simulation.findings import Finding
     from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut
     from toolpace.cutting.simulation.simulate import CutSimulation
-    from toolpace.cutting.simulation.stock_range import StockRange
+    from toolpace.cutting.simulation.stock_range import Stock, StockRange
     from toolpace.cutting.tool_file import load_tool
+    from toolpace.cutting.tool_profile import ToolProfile
     from toolpace.deflection.following import Follower, Measurement, SetPoint, Status
     from toolpace.deflection.new_trajectory import replan
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
@@ -106,6 +109,7 @@ __all__ = [
     "EndState",
     "EngagedForces",
     "Engagement",
+    "EngagementTable",
     "ExceededLimit",
     "Exported",
     "FigureEffect",
@@ -150,7 +154,9 @@ __all__ = [
     "Skipped",
     "Solid",
     "SpeedWeights",
+    "Stations",
     "Status",
+    "Stock",
     "StockFigures",
     "StockRange",
     "TimeLaw",
@@ -159,6 +165,7 @@ __all__ = [
     "Tool",
     "ToolFigures",
     "ToolPath",
+    "ToolProfile",
     "ToolRule",
     "ToolpaceError",
     "Trajectory",
@@ -216,6 +223,7 @@ _HOME = {
     "EndState": "planning.planned_run",
     "EngagedForces": "cutting.forces.engaged",
     "Engagement": "machine.cutting_tool",
+    "EngagementTable": "cutting.engagement.table",
     "ExceededLimit": "controls.timing.exceeded",
     "Exported": "controls.export",
     "FigureEffect": "controls.timing.uncertainty",
@@ -260,7 +268,9 @@ _HOME = {
     "Skipped": "motion.trajectory",
     "Solid": "programs.stock_figures",
     "SpeedWeights": "path.fit.speed_weights",
+    "Stations": "cutting.engagement.stations",
     "Status": "deflection.following",
+    "Stock": "cutting.simulation.stock_range",
     "StockFigures": "programs.stock_figures",
     "StockRange": "cutting.simulation.stock_range",
     "TimeLaw": "motion.laws",
@@ -269,6 +279,7 @@ _HOME = {
     "Tool": "programs.reading.coordinates.setup",
     "ToolFigures": "programs.tool_figures",
     "ToolPath": "programs.toolpath",
+    "ToolProfile": "cutting.tool_profile",
     "ToolRule": "programs.reading.controllers.tool_rules",
     "ToolpaceError": "common.errors",
     "Trajectory": "motion.trajectory",

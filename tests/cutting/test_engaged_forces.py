@@ -197,7 +197,7 @@ def test_a_deflected_tool_leaves_material_at_the_wall_that_pushes_it():
     heights = np.linspace(0.0, 4e-3, 401)
     load = K.radial_edge * np.full(401, 1e-5)
     load[[0, -1]] *= 0.5
-    bent = forces.beam.compliance(np.array([5e-5, 3.95e-3]), heights) @ load
+    bent = forces._beam.compliance(np.array([5e-5, 3.95e-3]), heights) @ load
     np.testing.assert_allclose(found.surface[0], bent[::-1], rtol=5e-3)
     np.testing.assert_allclose(found.surface_height[0], [3.95e-3, 5e-5], rtol=1e-9)
 
@@ -209,9 +209,9 @@ def test_what_is_left_on_a_wall_is_the_deflection_of_the_turned_tool_when_the_ed
     table, speed, steps = shoulder(3e-3, entry, leave, slices=12), CHIP * 3 * SPINDLE, 1440
     forces = EngagedForces(table, tool, K, SPINDLE)
     found = forces.loads(speed)
-    heights = forces.edge.height[forces.edge.first[0] : forces.edge.first[12]]
+    heights = forces._points.height[forces._points.first[0] : forces._points.first[12]]
     bent = turned_tool(
-        tool, K, table, 0, speed, SPINDLE, steps=steps, bend=lambda z: forces.beam.compliance(heights, z)
+        tool, K, table, 0, speed, SPINDLE, steps=steps, bend=lambda z: forces._beam.compliance(heights, z)
     )[2]
     slope = 2.0 * np.tan(tool.helix) / tool.diameter
     at = np.rint((wall + slope * heights) / (2.0 * np.pi) * steps).astype(int) % steps

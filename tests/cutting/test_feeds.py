@@ -12,7 +12,7 @@ import toolpace as tp
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
 from toolpace.cutting.feeds.learned import learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
@@ -61,7 +61,7 @@ def shoulder(width, depth, n=40, slices=8):
     height = depth / slices
     entry, leave = np.zeros(n), np.arccos(1.0 - 2.0 * width / TOOL.diameter)
     none = np.zeros(n)
-    return Engagement(
+    return EngagementTable(
         slice_height=height, feed_direction=np.tile([1.0, 0.0, 0.0], (n, 1)), across=np.ones(n), along=none,
         first_arc=np.arange(n + 1) * slices, slice=np.tile(np.arange(slices), n), entry=np.repeat(entry, slices),
         exit=np.repeat(leave, slices), bottom=none, removed=np.full(n, 1e-12), width=width.copy(),

@@ -158,6 +158,7 @@ CASES: dict[str, Case] = {
     "CuttingForces.at: angle": Case(lambda x: FORCES.at(x, 1e-5), LINES, "angle"),
     "CuttingForces.over_time: t": Case(lambda x: FORCES.over_time(x, 0.02), LINES, "t"),
     "CuttingForces.feed_per_tooth: speed": Case(FORCES.feed_per_tooth, LINES, "speed"),
+    "EngagedForces.chips_together: speed": Case(ENGAGED.chips_together, LINES, "speed"),
     "EngagedForces.loads: speed": Case(ENGAGED.loads, LINES, "speed"),
     "EngagedForces.loads: turning": Case(
         lambda x: ENGAGED.loads(LINES, x), f32(1e-3 * np.stack([LINES, LINES], axis=1)), "turning", optional=True

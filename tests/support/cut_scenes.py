@@ -13,7 +13,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.stock.dexels import DexelStock
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
@@ -72,7 +72,7 @@ class Scene:
     low: tuple[float, float, float] = (-0.02, -0.015, -0.006)
     high: tuple[float, float, float] = (0.02, 0.015, 0.0)
 
-    def cut(self, resolution: float, seed: int | None) -> tuple[Engagement, ToolProfile, DexelStock]:
+    def cut(self, resolution: float, seed: int | None) -> tuple[EngagementTable, ToolProfile, DexelStock]:
         """Cut the scene, turned at random."""
         turn = rotation(seed)
         profile = ToolProfile.of(self.figures)
@@ -80,7 +80,7 @@ class Scene:
         engagement = stock.cut(profile, stations(self.tip @ turn.T, np.asarray(self.axis) @ turn.T))
         return engagement, profile, stock
 
-    def errors(self, engagement: Engagement, profile: ToolProfile, least: float = 0.2) -> Floats:
+    def errors(self, engagement: EngagementTable, profile: ToolProfile, least: float = 0.2) -> Floats:
         """By slice (k, 2): immersion angle, and the angle over which the table is wrong; where the surface moves
         outward by more than `least` of the feed, which is where chips are thick. Slices without immersion are left
         out where the table has none."""

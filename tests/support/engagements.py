@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.programs.tool_figures import ToolFigures
 
 
@@ -12,7 +12,7 @@ def engagement(arcs, slice_height, across=1.0, along=0.0, bottom=0.0, stations=1
     """The same at all stations: arcs are (slice, entry, exit)."""
     k = len(arcs)
     rows = np.array(arcs, dtype=float).reshape(k, 3)
-    return Engagement(
+    return EngagementTable(
         slice_height=slice_height,
         feed_direction=np.tile([1.0, 0.0, 0.0], (stations, 1)),
         across=np.full(stations, across),

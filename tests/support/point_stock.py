@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.simulation.stock_range import Solids
 from toolpace.cutting.tool_profile import ToolProfile
 
@@ -60,7 +60,7 @@ class PointStock:
         inside = across <= radius_at(solid, height[near])
         return near[inside], np.column_stack([across, height[near]])[inside]
 
-    def cut(self, profile: ToolProfile, stations: Stations) -> Engagement:
+    def cut(self, profile: ToolProfile, stations: Stations) -> EngagementTable:
         n = len(stations)
         removed, width, depth, penetration = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, 2))
         slices: list[np.ndarray] = [np.zeros(0, dtype=np.int64)] * n
@@ -80,7 +80,7 @@ class PointStock:
                 slices[k] = np.unique((place[:, 1] / self.cell).astype(np.int64))
                 self.points = np.delete(self.points, hit, axis=0)
         count = sum(map(len, slices))
-        return Engagement(
+        return EngagementTable(
             slice_height=self.cell, feed_direction=np.zeros((n, 3)), across=np.ones(n), along=np.zeros(n),
             first_arc=np.cumsum([0, *map(len, slices)]), slice=np.concatenate(slices), entry=np.zeros(count),
             exit=np.full(count, 2.0 * np.pi), bottom=np.zeros(n), removed=removed, width=width, depth=depth,

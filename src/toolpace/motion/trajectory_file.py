@@ -38,6 +38,8 @@ LONGEST_HEAD = 1 << 24
 """Most bytes of the line of JSON: a run takes some hundred."""
 MOST_NUMBERS = 1 << 28
 """Most numbers of an array: more is none of ours."""
+MOST_PACKED = 32
+"""Bytes that a packed number takes at most; a thousand of them are allowed for the head of an array."""
 POWERS = 6
 """Coefficients of a piece of the path."""
 LAWS: dict[str, tuple[type[TimeLaw], tuple[str, ...]]] = {
@@ -219,5 +221,8 @@ def _put(stream: BinaryIO, column: Ints) -> None:
 
 
 def _get(stream: BinaryIO, count: int) -> Ints:
-    data = stream.read(int.from_bytes(stream.read(8), "little"))
+    length = int.from_bytes(stream.read(8), "little")
+    if length > MOST_PACKED * (count + 1000):
+        raise DamagedError(f"{length} bytes for {count} numbers")
+    data = stream.read(length)
     return unpack(data, count, 1, 0)[0][0]

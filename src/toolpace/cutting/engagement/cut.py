@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints, numbers
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.tool_profile import ToolProfile
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Dexels(Protocol):
         """Have at least so many free nodes."""
 
 
-def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
+def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> EngagementTable:
     """Cut the stock with the cutting part of a tool along stations, and tell what it met at each.
 
     slice_height: of the table [m]; the stock's resolution, or a sixtieth of the edge, if that is more. The stock is
@@ -112,7 +112,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
             )
     stock.content = max(before - float(found.removed.sum()), 0.0)
     used = int(progress[ARCS])
-    return Engagement(
+    return EngagementTable(
         slice_height=height,
         feed_direction=feed,
         across=across,

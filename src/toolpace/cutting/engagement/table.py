@@ -15,7 +15,7 @@ from toolpace.common.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)
-class Engagement:
+class EngagementTable:
     """Of n stations of one tool, with k arcs in all."""
 
     slice_height: float

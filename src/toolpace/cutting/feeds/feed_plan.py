@@ -20,7 +20,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.learned import Taken, best_of, learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
@@ -315,7 +315,7 @@ class _Planning:
         moved: Floats = np.divide(steps, stretch.seconds, out=np.zeros(len(steps)), where=stretch.seconds > 0.0)
         return moved
 
-    def forces(self, stretch: CutStretch, engagement: Engagement, turns: float) -> EngagedForces:
+    def forces(self, stretch: CutStretch, engagement: EngagementTable, turns: float) -> EngagedForces:
         """Of the tool of a stretch in an engagement, at turns per second [1/s]."""
         coefficients = self.rules.material_of(self.tool(stretch)) or ANY
         return EngagedForces(engagement, self.figures(stretch), coefficients, abs(turns))

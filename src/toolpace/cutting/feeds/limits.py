@@ -8,7 +8,6 @@ that where it is 1 is not below the root. Both ends close in on it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
@@ -104,9 +103,9 @@ def speeds_within(
     n = len(forces.engagement.along)
     if not names or not n:
         return SpeedLimits(np.full(n, most), np.full(n, -1), np.zeros(n))
-    if forces.beam is None and {"moment", "stress", "deflection", "surface_deflection"} & set(names):
+    if not forces.bends and {"moment", "stress", "deflection", "surface_deflection"} & set(names):
         raise UsageError("limits of the cut: the tool's stick_out is missing; give it in the tool table")
-    section = _section(forces)
+    section = forces.section_modulus
     step = np.diff(places.way, prepend=places.way[:1])
     per_way = np.divide(forces.engagement.removed, step, out=np.zeros(n), where=step > 0.0)
 
@@ -157,13 +156,6 @@ def root_below(share: Callable[[Floats], Floats], slow: Floats, fast: Floats) ->
         low[below], at_low[below] = beyond[below], at_beyond[below]
         done |= (high - low <= CLOSE * high) | (1.0 - at_low <= 1e-9)
     return low, least
-
-
-def _section(forces: EngagedForces) -> float:
-    """Section modulus of the shank at the holder [m3]; nan where it is not known."""
-    if forces.beam is None:
-        return math.nan
-    return math.pi * float(forces.beam.diameter[-1, 1]) ** 3 / 32.0
 
 
 def _load(

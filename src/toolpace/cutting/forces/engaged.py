@@ -26,7 +26,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, integers, number, numbers
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.forces.cutting_edge import CuttingEdge
 from toolpace.cutting.forces.tool_beam import ToolBeam
 from toolpace.machine.cutting_tool import Coefficients
@@ -88,7 +88,7 @@ class EngagedForces:
     itself.
     """
 
-    engagement: Engagement
+    engagement: EngagementTable
     tool: ToolFigures
     coefficients: Coefficients
     spindle_speed: float | None = None
@@ -133,15 +133,25 @@ class EngagedForces:
         return self.tool.teeth
 
     @cached_property
-    def edge(self) -> CuttingEdge:
+    def _points(self) -> CuttingEdge:
         """Its points, up to the highest slice in material."""
         slices = int(self.engagement.slice.max(initial=0)) + 1
         return CuttingEdge.of(self.tool, self.engagement.slice_height, slices, LAG * self.step)
 
     @cached_property
-    def beam(self) -> ToolBeam | None:
+    def _beam(self) -> ToolBeam | None:
         """The bar that bends; None where the stick-out is not known."""
         return None if self.tool.stick_out is None else ToolBeam.of(self.tool, self.youngs_modulus)
+
+    @property
+    def bends(self) -> bool:
+        """Whether moments and deflections are known: the tool's stick-out is."""
+        return self._beam is not None
+
+    @property
+    def section_modulus(self) -> float:
+        """Of the shank at the holder [m3]; nan where it is not known."""
+        return math.nan if self._beam is None else math.pi * float(self._beam.diameter[-1, 1]) ** 3 / 32.0
 
     def loads(self, speed: npt.ArrayLike, turning: npt.ArrayLike | None = None) -> CutLoads:
         """Loads at speeds (n,) of the tip [m/s], with the axis turning at (n, 2) along feed and normal [rad/s].
@@ -161,7 +171,7 @@ class EngagedForces:
 
         with ThreadPoolExecutor(self.threads) as pool:
             list(pool.map(work, self._blocks(count)))
-        bends = self.beam is not None
+        bends = self._beam is not None
         none = np.full(count, np.nan)
         tip = kernel.WEIGHTED + 2 * kernel.TIP
         return CutLoads(
@@ -269,7 +279,7 @@ class EngagedForces:
     def _edge(self) -> Edge:
         from toolpace.kernels.cutting.forces import Edge
 
-        edge, k = self.edge, self.coefficients
+        edge, k = self._points, self.coefficients
         sine, cosine = np.sin(edge.kappa), np.cos(edge.kappa)
 
         def along(tangential: float, radial: float, axial: float) -> list[Floats]:
@@ -286,9 +296,9 @@ class EngagedForces:
         top = float(edge.height.max())
         node = np.array([0.0, 0.5, 1.0]) * max(top, self.engagement.slice_height)
         weight = np.zeros((len(edge.height), 0))
-        if self.beam is not None:
-            bent = self.beam.compliance(node, edge.height).T
-            weight = np.concatenate([self.beam.length - edge.height[:, None], bent], axis=1)
+        if self._beam is not None:
+            bent = self._beam.compliance(node, edge.height).T
+            weight = np.concatenate([self._beam.length - edge.height[:, None], bent], axis=1)
         return Edge(
             edge.first, edge.height, edge.radius, sine, cosine, edge.lag, edge.span, edge.width, force,
             np.ascontiguousarray(weight), node,
@@ -326,7 +336,7 @@ class EngagedForces:
             yield slice(begin, min(begin + BLOCK, count))
 
 
-def turning_of(axis: Floats, time: Floats, engagement: Engagement) -> Floats:
+def turning_of(axis: Floats, time: Floats, engagement: EngagementTable) -> Floats:
     """Turn of the tool axis per second (n, 2) [rad/s] along feed and normal, from axes (n, 3) at times (n,) [s]."""
     rate = np.zeros_like(axis)
     duration = np.diff(time)

@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.value_objects import counted, one_line
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import Operation
 
@@ -30,11 +30,11 @@ class CutStretch:
     operation: int
     """Index of it in the program."""
     rapid: bool
-    engagement: Engagement
+    engagement: EngagementTable
     """With the stock as its figures are."""
-    certain: Engagement
+    certain: EngagementTable
     """With the stock smaller by its uncertainty all round: what is cut in any case."""
-    possible: Engagement
+    possible: EngagementTable
     """With the stock larger by it: nothing else can be cut."""
     removed_above: tuple[float, float, float]
     """Volume that shank and holder took out of the smallest, the nominal and the largest stock: where they meet it, it
@@ -56,7 +56,7 @@ class CutStretch:
         """Volume [m3]."""
         return float(self.engagement.removed.sum()) + self.removed_above[1]
 
-    def contact(self, engagement: Engagement) -> Bools:
+    def contact(self, engagement: EngagementTable) -> Bools:
         """(n,) whether something is cut on the way to each station."""
         return in_contact(self.stations, engagement, self.resolution)
 
@@ -71,7 +71,7 @@ class CutStretch:
         return ~(self.contact(self.possible) | self.contact(self.engagement) | self.cutting)
 
 
-def in_contact(stations: Stations, engagement: Engagement, resolution: float) -> Bools:
+def in_contact(stations: Stations, engagement: EngagementTable, resolution: float) -> Bools:
     """(n,) whether a layer is cut that is thicker, on the mean over the way and the depth, than THINNEST of a cell."""
     step = np.linalg.norm(np.diff(stations.tip, axis=0, prepend=stations.tip[:1]), axis=1)
     height = np.maximum(np.maximum(engagement.depth, engagement.width), resolution)

@@ -21,7 +21,7 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import CallersProgress
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.simulation.findings import (
     PART,
     STOCK,
@@ -33,7 +33,7 @@ from toolpace.cutting.simulation.findings import (
     worst_first,
 )
 from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut, feed_and_rapid, operation_cut
-from toolpace.cutting.simulation.stock_range import Met, Solids, Stock, StockRange
+from toolpace.cutting.simulation.stock_range import Met, Solids, Stock, StockRange, meet_all
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import Operation
@@ -70,7 +70,7 @@ class CutSimulation:
     operations: tuple[OperationCut, ...]
     """Those that move, in the order of the program."""
     stretches: tuple[CutStretch, ...]
-    """Engagement station by station, in the order of time."""
+    """EngagementTable station by station, in the order of time."""
     findings: tuple[Finding, ...]
     """The worst first."""
     stock_volume: float
@@ -196,7 +196,7 @@ class _Cut:
 
     def along(self, stations: Stations, operation: int, rapid: bool) -> tuple[CutStretch, list[Met]]:
         """The stretch, and what the tool met in each of the three stocks."""
-        met = self.stock.meet(self.tool.profile, stations, rapid, self.least)
+        met = meet_all(self.stock, self.tool.profile, stations, rapid, self.least)
         certain, nominal, possible = (each.engagement for each in met)
         smallest, middle, largest = (each.removed_above for each in met)
         above = smallest, middle, largest
@@ -229,7 +229,7 @@ class _Cut:
             depth = np.where(depths[1] > self.least, depths[1], depths[2])
             yield Contact(kind, STOCK, np.where(where & (depth > self.least), depth, 0.0), depths[0] > self.least)
 
-    def above_flutes(self, engagement: Engagement) -> Bools:
+    def above_flutes(self, engagement: EngagementTable) -> Bools:
         """(n,) whether the edge is in material up to its end, below a shank that is no wider: it is too short."""
         figures, count = self.tool.figures, len(engagement.removed)
         wide = max([figures.shank_diameter or 0.0, *(piece.lower_diameter for piece in figures.shank[:1])])

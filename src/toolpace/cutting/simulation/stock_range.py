@@ -11,7 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Workers
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import Engagement
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.tool_profile import ToolProfile
 
 Result = TypeVar("Result")
@@ -28,7 +28,7 @@ class Stock(Protocol):
     def volume(self) -> float:
         """[m3]"""
     def copy(self) -> Stock: ...
-    def cut(self, profile: ToolProfile, stations: Stations) -> Engagement: ...
+    def cut(self, profile: ToolProfile, stations: Stations) -> EngagementTable: ...
     def depth_in_material(self, solids: Solids, stations: Stations) -> Floats: ...
     def triangles(self) -> Floats: ...
 
@@ -36,7 +36,7 @@ class Stock(Protocol):
 class Met(NamedTuple):
     """What the tool meets along n stations of one stock."""
 
-    engagement: Engagement
+    engagement: EngagementTable
     cutting: Floats
     """(n,) how deep the cutting part is in the stock as it was before these stations [m]; of rapids, else 0."""
     shank: Floats
@@ -70,27 +70,29 @@ class StockRange:
             stocks = self.smallest.copy(), self.nominal.copy(), self.largest.copy()
         return StockRange(*stocks, self.uncertainty, self.guessed)
 
-    def each(self, work: Callable[[Stock], Result]) -> list[Result]:
-        """What `work` returns of each of the three, in threads of their own: they have nothing in common."""
-        if self.smallest is self.nominal and self.largest is self.nominal:
-            return [work(self.nominal)] * 3
-        return Workers().each(work, [self.smallest, self.nominal, self.largest])
 
-    def meet(self, tool: ToolProfile, stations: Stations, rapid: bool, least: float) -> list[Met]:
-        """Cut all three along stations, and tell what the tool met.
+def of_each(stocks: StockRange, work: Callable[[Stock], Result]) -> list[Result]:
+    """What `work` returns of each of the three, in threads of their own: they have nothing in common."""
+    if stocks.smallest is stocks.nominal and stocks.largest is stocks.nominal:
+        return [work(stocks.nominal)] * 3
+    return Workers().each(work, [stocks.smallest, stocks.nominal, stocks.largest])
 
-        What a shank or a holder is in by more than `least` [m] is removed at the end, so that a collision is told once;
-        of all three alike, so that each stays within the next.
-        """
-        met = self.each(lambda stock: meet(stock, tool, stations, rapid))
-        removed = [0.0, 0.0, 0.0]
-        for solids, part in ((tool.shank, "shank"), (tool.holder, "holder")):
-            where: Bools = np.max([getattr(each, part) for each in met], axis=0) > least
-            if where.any():
-                colliding = stations.where(where)
-                taken = self.each(lambda stock: remove(stock, solids, colliding))  # noqa: B023
-                removed = [before + more for before, more in zip(removed, taken)]
-        return [each._replace(removed_above=volume) for each, volume in zip(met, removed)]
+
+def meet_all(stocks: StockRange, tool: ToolProfile, stations: Stations, rapid: bool, least: float) -> list[Met]:
+    """Cut all three along stations, and tell what the tool met.
+
+    What a shank or a holder is in by more than `least` [m] is removed at the end, so that a collision is told once;
+    of all three alike, so that each stays within the next.
+    """
+    met = of_each(stocks, lambda stock: meet(stock, tool, stations, rapid))
+    removed = [0.0, 0.0, 0.0]
+    for solids, part in ((tool.shank, "shank"), (tool.holder, "holder")):
+        where: Bools = np.max([getattr(each, part) for each in met], axis=0) > least
+        if where.any():
+            colliding = stations.where(where)
+            taken = of_each(stocks, lambda stock: remove(stock, solids, colliding))  # noqa: B023
+            removed = [before + more for before, more in zip(removed, taken)]
+    return [each._replace(removed_above=volume) for each, volume in zip(met, removed)]
 
 
 def remove(stock: Stock, solids: Solids, stations: Stations) -> float:

@@ -16,7 +16,7 @@ from toolpace.common.value_objects import one_line
 
 if TYPE_CHECKING:
     from toolpace.cutting.engagement.stations import Stations
-    from toolpace.cutting.engagement.table import Engagement
+    from toolpace.cutting.engagement.table import EngagementTable
     from toolpace.cutting.tool_profile import ToolProfile
     from toolpace.kernels.cutting.dexels import Field
     from toolpace.kernels.cutting.intrusion import Blocks
@@ -243,7 +243,7 @@ class DexelStock:
             deepest_along(self.field, blocks, numbers(solid, "solid", ("n", 6)), tips, axes, depths, places)
         return depths, places @ FRAME
 
-    def cut(self, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> Engagement:
+    def cut(self, profile: ToolProfile, stations: Stations, slice_height: float | None = None) -> EngagementTable:
         """Cut with a tool's cutting part along stations, and tell what it met; see `engagement.cut`."""
         from toolpace.cutting.engagement.cut import cut
 

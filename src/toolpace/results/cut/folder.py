@@ -27,7 +27,7 @@ from toolpace.results.cut.page import cut_page
 from toolpace.results.cut.record import MM3, cut_record
 
 if TYPE_CHECKING:
-    from toolpace.cutting.engagement.table import Engagement
+    from toolpace.cutting.engagement.table import EngagementTable
     from toolpace.cutting.simulation.operation_cut import CutStretch
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.cutting.simulation.stock_range import Stock
@@ -158,7 +158,7 @@ def _columns(pa: Any, program: int, stretch: CutStretch) -> dict[str, Any]:
     }
 
 
-def _sums(name: str, found: Engagement) -> dict[str, Floats]:
+def _sums(name: str, found: EngagementTable) -> dict[str, Floats]:
     return {
         f"{name}removed_mm3": found.removed / MM3,
         f"{name}width_mm": found.width / MILLIMETRE,

@@ -261,7 +261,7 @@ def reading_record(options: ReadOptions) -> ReadingRecord:
 
 def has_setup(setup: SetUp) -> bool:
     """Whether a sheet says anything."""
-    return any(value for name, value in vars(setup).items() if name != "source")
+    return replace(setup, source="") != SetUp()
 
 
 def write_reading_options(folder: Path, options: ReadOptions) -> None:
