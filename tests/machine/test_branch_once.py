@@ -38,14 +38,15 @@ def choices(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     return seen
 
 
-def test_a_plan_from_the_command_line_decides_once_a_fit(choices, tmp_path, monkeypatch):
+def test_a_plan_from_the_command_line_decides_at_most_once_a_fit(choices, tmp_path, monkeypatch):
     monkeypatch.setattr(job, "warm_up", lambda steps: None)
     program = tmp_path / "part.cls"
     program.write_text(PROGRAM)
     out = tmp_path / "out"
     assert main(["plan", str(program), "--machine", "xyzac-trunnion", "--out", str(out), "--no-report"]) == 0
     rounds = json.loads((out / "plan.json").read_text())["rounds"]
-    assert len(choices) == max(len(rounds), 1)
+    # fits within the same tolerances share what they begin with
+    assert 1 <= len(choices) <= max(len(rounds), 1)
 
 
 def test_a_plan_of_a_program_decides_once(choices):

@@ -279,7 +279,7 @@ def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine, mo
     assert not crawls(at_nodes.laws[0])
     assert at_nodes.duration == pytest.approx(tp.plan(path, machine, bound=False).duration, rel=USUAL_LOSS)
 
-    pecks = tp.read_text("G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n", machine)
+    pecks = tp.read_text("G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q1.5 F1000\nG80\nG0 Z50\n", machine)
     path = tp.Path.fit(pecks, TIP, AXIS, machine)
     at_nodes = tp.plan(path, machine, guard=False, bound=False)
     assert not crawls(at_nodes.laws[0])

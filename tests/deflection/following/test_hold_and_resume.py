@@ -30,7 +30,7 @@ def slow():
 
 
 @pytest.mark.parametrize("feed", [1.0, 1.2, 0.7])
-@pytest.mark.parametrize("begin", [8.0, 12.0, 16.0, 20.0, 24.0])
+@pytest.mark.parametrize("begin", [8.0, 12.0, 16.0, 20.0, 23.5])
 def test_it_goes_on_to_the_end_within_its_limits(slow, begin: float, feed: float):
     trajectory, machine = slow
     follower = tp.Follower(trajectory, machine, period=PERIOD)
