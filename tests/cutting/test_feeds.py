@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from tests.support.program_with_feeds import with_feeds
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
@@ -17,7 +18,7 @@ from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
 from toolpace.cutting.feeds.learned import learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.feeds.schedule import Places, Steps, over_window, own_feeds, stepped, with_feeds
+from toolpace.cutting.feeds.schedule import Places, Steps, over_window, stepped
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading import ReadOptions, Source, read_source
@@ -179,7 +180,7 @@ def test_in_air_it_is_faster_and_the_program_s_feed_holds_wherever_it_may_cut(cu
     tools = [setup.figures_of(each.tool) for each in toolpath.operations]
     plan = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1))
     new = with_feeds(toolpath, machine, list(plan.places), list(plan.feeds))
-    own = own_feeds(new)
+    own = new.most_speed
     begin, end = new.way_start[:, 0], new.tip[:, 0]
     feeding = ~new.rapid & (np.abs(end - begin) > 0.0)
     # the tool is 10 mm wide, the stock may begin half a millimetre early, and the margin is 1 mm
@@ -240,7 +241,7 @@ def changed(text, controller, wanted, machine="xyzac-trunnion"):
     source = Source.from_bytes(text.encode(), "part.nc")
     options = ReadOptions(controller=tp.Controller.load(controller), setup=setup_of_text(SHEET))
     toolpath = tp.read_text(text, machine, controller=controller, setup=options.setup)
-    own = own_feeds(toolpath)
+    own = toolpath.most_speed
     feeds = np.array([wanted.get(line, feed) for line, feed in zip(toolpath.block.tolist(), own.tolist())])
     feeds[~np.isfinite(feeds)] = 0.0
     at = Places(np.arange(len(toolpath), dtype=float), np.cumsum(toolpath.way_length))
@@ -269,7 +270,7 @@ M99
 )
 def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
     before, written = changed(text, controller, wanted)
-    old, new = own_feeds(before), own_feeds(written.toolpath)
+    old, new = before.most_speed, written.toolpath.most_speed
     other = ~np.isin(before.block, list(wanted))
     assert np.allclose(new[other], old[other])
 
@@ -286,28 +287,28 @@ def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_i
     machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
     toolpath = tp.read_text(text, machine, controller="linuxcnc")
     way, last = np.cumsum(toolpath.way_length), len(toolpath) - 1
-    own = np.where(np.isfinite(own_feeds(toolpath)), own_feeds(toolpath), 0.0)
+    own = np.where(np.isfinite(toolpath.most_speed), toolpath.most_speed, 0.0)
     # air on the first third of the last block
     at = Places(np.append(np.arange(last), [last - 2 / 3, last]), np.append(way[:-1], [0.0, way[-1]]))
     plan = FeedPlan((at,), (np.append(own[:-1], [0.1, 0.01]),), ())
     new = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan).toolpath
     border = (2.0 * toolpath.tip[-2] + toolpath.tip[-1]) / 3.0
     beyond = (new.tip - border) @ toolpath.way[-1] > 1e-8
-    assert beyond.any() and np.allclose(own_feeds(new)[beyond], 0.01)
+    assert beyond.any() and np.allclose(new.most_speed[beyond], 0.01)
 
 
 def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
     text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
     machine = tp.Machine.load("xyzac-trunnion")
     toolpath = tp.read_text(text, machine, controller="linuxcnc")
-    own, block = own_feeds(toolpath), toolpath.block == 3
+    own, block = toolpath.most_speed, toolpath.block == 3
     assert own[block].max() > 1.5 * own[block].min()
     # where the tip is slow it is in air, else the program's feed is the most
     feeds = np.where(block & (own < np.quantile(own[block], 0.9)), 10.0 * own, np.where(np.isfinite(own), own, 0.0))
     plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
     options = ReadOptions(controller=tp.Controller.load("linuxcnc"))
     written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
-    assert (own_feeds(written.toolpath)[block] <= feeds[block] * (1.0 + 1e-6)).all()
+    assert (written.toolpath.most_speed[block] <= feeds[block] * (1.0 + 1e-6)).all()
 
 
 def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():
@@ -337,7 +338,7 @@ def fed(program, rules, controller=None):
     feeds = plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
     new = with_feeds(toolpath, machine, list(feeds.places), list(feeds.feeds))
     at_feed = ~new.rapid & (new.way_length > 0.0)
-    return new.tip[at_feed], own_feeds(new)[at_feed]
+    return new.tip[at_feed], new.most_speed[at_feed]
 
 
 BEGIN = "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\nG0 X-30 Y0 Z20\nG0 Z-2\n"

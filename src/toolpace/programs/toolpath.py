@@ -272,6 +272,15 @@ class ToolPath(ByValue):
         return found
 
     @property
+    def most_speed(self) -> Floats:
+        """(n,) most speed of the tip on the way to each point [m/s], by its feed or its least time; inf where neither
+        says."""
+        timed = (self.least_time > 0.0) & (self.way_length > 0.0)
+        by_time = self.way_length / np.where(timed, self.least_time, 1.0)
+        found: Floats = np.where(timed, np.minimum(self.feed, by_time), self.feed)
+        return found
+
+    @property
     def least_duration(self) -> float:
         """What no motion along it can be shorter than by much [s]: its feeds, least times and dwells."""
         way = self.way_length[1:]

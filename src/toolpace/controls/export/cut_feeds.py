@@ -25,7 +25,7 @@ from toolpace.controls.export.planned_feeds import CUT, PROBE, Job, change_of_ke
 from toolpace.controls.export.program import Places as TextPlaces
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewritten
 from toolpace.cutting.feeds.feed_plan import FeedPlan
-from toolpace.cutting.feeds.schedule import ends_of_pieces, own_feeds
+from toolpace.cutting.feeds.schedule import ends_of_pieces
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import ReadOptions, Source
 from toolpace.programs.reading.languages import recognised
@@ -164,7 +164,7 @@ def check(job: Job, feeds: _BlockFeeds, new: Rewritten, again: ToolPath) -> None
         block = int(job.passes.block[int(np.argmax(other))])
         raise VerificationError(f"read back, block {block} of the new program leads elsewhere; nothing was written")
     now = Passes.of(in_old_blocks(again, new))
-    way, speed = again.way_length, own_feeds(again)
+    way, speed = again.way_length, again.most_speed
     for line, k in job.lines.items():
         points = slice(now.first[k], now.last[k] + 1)
         above = feeds.share_above(k, way[points], speed[points])
@@ -181,7 +181,7 @@ class _BlockFeeds:
     def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan) -> None:
         self.toolpath, self.passes = toolpath, passes
         self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds))
-        self.own = own_feeds(toolpath)
+        self.own = toolpath.most_speed
         self.way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
 
     def divided(self, source: Source) -> Divisions:

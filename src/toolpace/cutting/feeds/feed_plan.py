@@ -24,7 +24,7 @@ from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.learned import Taken, best_of, learned_speeds, teachers
 from toolpace.cutting.feeds.limits import CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.feeds.schedule import Places, over_window, own_feeds, stepped
+from toolpace.cutting.feeds.schedule import Places, over_window, stepped
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
@@ -126,7 +126,7 @@ def plan_feeds(
     rules.check(toolpath)
     stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
     places = tuple(Places.of(toolpath, each.stations) for each in stretches)
-    own = own_feeds(toolpath)
+    own = toolpath.most_speed
     before = [np.where(np.isfinite(feed), feed, 0.0) for feed in (own[each.stations.point] for each in stretches)]
     work = _Planning(simulation, toolpath, tools, rules, reached, stretches, places, before)
     after = work.guessed() if simulation.guessed else work.feeds()

@@ -3,25 +3,19 @@
     the least over the margin before and behind each station        what is entered, and left, late
     rounded down to the next step                                   few values
     raised stretches that are shorter than the shortest             taken off
-    points put into the program where the feed changes
 
 Nothing of that is above the speed that a station allows, nor above it within the margin.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints, number
+from toolpace.common.arrays import Floats, number
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.prediction import with_points
-from toolpace.machine.machine import Machine
 from toolpace.programs.toolpath import ToolPath
-
-AT_A_POINT = 1e-6
-"""Share of a way from its end within which a change of feed is at the end itself."""
 
 
 @dataclass(frozen=True)
@@ -95,35 +89,6 @@ def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) ->
     return found
 
 
-def with_feeds(toolpath: ToolPath, machine: Machine, places: list[Places], feeds: list[Floats]) -> ToolPath:
-    """The program with other feeds: on the way to each station of each stretch that of `feeds`.
-
-    What no station speaks of keeps its own; times of blocks (G93) give way where the new feed is another than what they
-    come to.
-    """
-    x, values = ends_of_pieces(places, feeds)
-    if not len(x):
-        return toolpath
-    inserted = x[np.abs(x - np.round(x)) > AT_A_POINT]
-    inserted = inserted[inserted < len(toolpath) - 1]
-    at = np.concatenate([np.arange(len(toolpath), dtype=np.float64), inserted])
-    at = at[np.argsort(at, kind="stable")]
-    origin: Ints = np.ceil(at - AT_A_POINT).astype(np.int64)
-    share = np.where(np.abs(at - origin) <= AT_A_POINT, 1.0, at - (origin - 1.0))
-    dense = with_points(toolpath, machine, origin, share) if len(inserted) else toolpath
-    middle = np.concatenate([[0.0], 0.5 * (at[1:] + at[:-1])])
-    piece = np.searchsorted(x, middle, side="left")
-    feed = np.append(values, np.nan)[np.minimum(piece, len(values))]
-    known = np.isfinite(feed) & (feed > 0.0) & ~dense.rapid
-    own = own_feeds(dense)
-    changed = known & (np.abs(feed / np.where(known, own, 1.0) - 1.0) > 1e-9)
-    return replace(
-        dense,
-        feed=np.where(changed, feed, dense.feed),
-        least_time=np.where(changed, 0.0, dense.least_time),
-    )
-
-
 def ends_of_pieces(places: list[Places], feeds: list[Floats]) -> tuple[Floats, Floats]:
     """Where pieces of one feed end (k,), as places of the program, and their feeds (k,); nan where it stays."""
     x: list[Floats] = []
@@ -136,11 +101,3 @@ def ends_of_pieces(places: list[Places], feeds: list[Floats]) -> tuple[Floats, F
     ends_at, of = (np.concatenate([np.zeros(0), *each]) for each in (x, values))
     order = np.argsort(ends_at, kind="stable")
     return ends_at[order], of[order]
-
-
-def own_feeds(toolpath: ToolPath) -> Floats:
-    """(n,) most speed on the way to each point that the program allows, by its feed or the time of its block [m/s]."""
-    way, least = toolpath.way_length, toolpath.least_time
-    timed = (least > 0.0) & (way > 0.0)
-    found: Floats = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, least, 1.0)), toolpath.feed)
-    return found

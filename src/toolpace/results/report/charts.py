@@ -62,12 +62,9 @@ class FeedCaps:
     """The feed that a program asks for in each of its blocks: the largest, where one has several ways."""
 
     def __init__(self, toolpath: ToolPath) -> None:
-        way = toolpath.way_length
-        timed = (toolpath.least_time > 0.0) & (way > 0.0)
-        cap = np.where(timed, np.minimum(toolpath.feed, way / np.where(timed, toolpath.least_time, 1.0)), toolpath.feed)
         self.blocks, where = np.unique(toolpath.block[1:], return_inverse=True)
         self.most = np.zeros(len(self.blocks))
-        np.maximum.at(self.most, where, cap[1:])
+        np.maximum.at(self.most, where, toolpath.most_speed[1:])
 
     def at(self, block: Ints) -> Floats:
         """(n,) that of blocks (n,) [m/s]; inf where the program asks for none."""
