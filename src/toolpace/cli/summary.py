@@ -12,6 +12,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+from toolpace.machine.limits import KINDS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
@@ -127,7 +128,9 @@ def bending_in_words(bending: BendingRecord) -> str:
 def limit_in_words(name: str) -> str:
     """ "jerk C" is "jerk of C"."""
     kind, _, joint = name.partition(" ")
-    return "no limit reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
+    if name == "nothing":
+        return "no limit reached"
+    return f"{kind} of {joint}" if kind in KINDS else name
 
 
 def limits_in_words(shares: dict[str, float]) -> str:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from toolpace.cutting.compensated_program import BendingCompensation
+    from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -74,6 +76,8 @@ class Job:
     """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
+    cut: CutOptions | None = None
+    """By what the cut sets the speed; None: the program's feeds hold."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
@@ -90,7 +94,10 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
         compensation = compensated_for_bending(job, steps, toolpath)
-        if compensation is None:
+        within_cut = None if job.cut is None else planned_within_cut(job, job.cut, steps, toolpath)
+        if within_cut is not None:
+            planned, toolpath = within_cut.plan, within_cut.fed(toolpath)
+        elif compensation is None:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         else:
             planned = program_plan_of(compensation)
@@ -117,6 +124,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
+        cut=None if within_cut is None or job.cut is None else write.cut_part(within_cut, job.cut.rules),
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -232,6 +240,22 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
         iterations = counted(compensation.rounds, "iteration")
         step.note = f"the tool bends by at most {format_length(compensation.largest)}, {iterations}"
     return compensation
+
+
+def planned_within_cut(job: Job, cut: CutOptions, steps: TimedSteps, toolpath: ToolPath) -> CutLimitedPlan:
+    """The program planned as fast as its cut allows."""
+    from toolpace.path.axis_path import check_travel
+    from toolpace.planning.program_plan import effort_for
+
+    with steps.step("planning within the cut") as step:
+        effort, tolerances = effort_for(job.effort, job.planner), (job.tip_tolerance, job.axis_tolerance)
+        found = cut.plan(toolpath, job.machine, job.options, tolerances, effort, job.planner, step)
+        check_travel(found.plan.trajectory.axis_path, program_name(job))
+        found = replace(found, plan=replace(found.plan, trajectory=with_cheap_bound(job, found.plan.trajectory)))
+        step.note = f"{found.plan.trajectory.mesh_points} mesh points, {found.extent}"
+    for note in found.feeds.notes:
+        steps.say(note)
+    return found
 
 
 def program_name(job: Job) -> str:

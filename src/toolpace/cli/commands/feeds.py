@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
@@ -30,6 +31,8 @@ UNITS = {
     "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "feed_marks": ("um", 1e-6),
 }  # fmt: skip
 """Limits of the cut, and the unit in which each is given."""
+FINE_STEPS = 1.0005
+"""Between two speeds of a plan that are next to each other: it needs no few values."""
 SHOWN = 8
 """Teachers and overloads that are listed."""
 Way = Annotated[
@@ -91,6 +94,21 @@ class Allowed:
         Parameter(help="Operation whose feeds stay, by name. Repeat it.", negative=(), consume_multiple=False),
     ] = None
 
+    def of_plan(self, resolution: str | None, memory: str) -> CutOptions | None:
+        """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
+        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+        from toolpace.jobs.cut_options import CutOptions
+
+        if self.feeds == AS_PROGRAMMED.feeds:
+            for name in (each.name for each in fields(self) if each.name != "feeds"):
+                if getattr(self, name) != getattr(AS_PROGRAMMED, name):
+                    option = "--" + name.replace("_", "-")
+                    raise UsageError(f"{option} goes with --feeds air, learned or limits")
+            return None
+        steps = FeedSteps(margin=parse_length(self.margin), ratio=FINE_STEPS, shortest=0.0)
+        cell_size = None if resolution is None else cell(resolution)
+        return CutOptions(replace(self.rules(), steps=steps), cell_size, size(memory))
+
     def rules(self) -> FeedRules:
         """The same, checked. Raises UsageError."""
         from toolpace.cutting.feeds.rules import FeedRules
@@ -116,6 +134,8 @@ class Allowed:
 
 
 AS_IN_AIR = Allowed()
+AS_PROGRAMMED = Allowed("program", margin="0mm")
+"""Of a plan: its caps hold from one station to the next, and need no margin."""
 
 
 def feeds_command(

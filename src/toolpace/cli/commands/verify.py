@@ -56,6 +56,10 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         toolpath = None
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
+        cut = write.read_cut(folder, record.cut)
+        profile = None if cut is None else write.profile_of(cut)
+        if toolpath is not None and profile is not None:
+            toolpath = toolpath.fed_by(profile)
         step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
     tip: float | Tolerances = (record.tip_tolerance_mm or DEFAULT_TIP_MM) * MILLIMETRE
     axis: float | Tolerances = (record.axis_tolerance_deg or DEFAULT_AXIS_DEG) * DEGREE

@@ -17,14 +17,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.learned import Taken, best_of, learned_speeds, teachers
-from toolpace.cutting.feeds.limits import CutLimits, speeds_within
+from toolpace.cutting.feeds.limits import AIR, FEED, SOURCES, TAUGHT, CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.feeds.schedule import Places, over_window, stepped
+from toolpace.cutting.feeds.schedule import Places, over_window, slowest_within, stepped
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
@@ -102,6 +102,8 @@ class FeedPlan:
     feeds: tuple[Floats, ...]
     """(n,) of each stretch, on the way to each of its stations [m/s]."""
     operations: tuple[OperationFeeds, ...]
+    sources: tuple[Ints, ...] = ()
+    """(n,) of each stretch likewise, what sets the feed: index in SOURCES."""
     teachers: tuple[Teacher, ...] = ()
     overloads: tuple[Overload, ...] = ()
     """The worst of each tool and limit."""
@@ -131,8 +133,8 @@ def plan_feeds(
     work = _Planning(simulation, toolpath, tools, rules, reached, stretches, places, before)
     after = work.guessed() if simulation.guessed else work.feeds()
     return FeedPlan(
-        places, tuple(after), work.operation_times(after), tuple(work.teachers), work.overloads(),
-        work.largest(after), tuple(work.notes),
+        places, tuple(after), work.operation_times(after), tuple(work.sources), tuple(work.teachers),
+        work.overloads(), work.largest(after), tuple(work.notes),
     )  # fmt: skip
 
 
@@ -154,6 +156,7 @@ class _Planning:
         self.reached, self.stretches, self.places, self.before = reached, stretches, places, before
         self.notes: list[str] = []
         self.teachers: list[Teacher] = []
+        self.sources = [np.zeros(len(each), dtype=np.int64) for each in before]
         self.worst: dict[tuple[str, bool], Overload] = {}
         self.air_feed = rules.air_feed or max((float(each.max(initial=0.0)) for each in before), default=0.0)
         if rules.air_feed is None:
@@ -184,18 +187,22 @@ class _Planning:
         speed = np.where(stretch.air, most, before)
         # above this the program's own feed is lowered
         bound = np.full(len(before), math.inf)
+        source = np.where(stretch.air & (most > before), SOURCES.index(AIR), SOURCES.index(FEED))
         if rules.way != "air":
             loaded = ~stretch.air & ~stands
-            cap = self.cap(stretch, self.places[k], before, taught)
+            cap, holds = self.cap(stretch, self.places[k], before, taught)
             lower = rules.lower or rules.way == "limits"
             bound = np.where(loaded & lower, cap, math.inf)
             cap = np.minimum(cap, most)
             if math.isfinite(rules.raise_at_most):
                 cap = np.minimum(cap, rules.raise_at_most * before)
             speed = np.where(loaded, cap if lower else np.maximum(cap, before), speed)
+            holds = np.where(speed < most, holds, SOURCES.index(AIR))
+            source = np.where(loaded & (speed != before), holds, source)
         if not rules.finishing:
             speed = np.where(self.finishes(stretch, (speed > before) & ~stands), before, speed)
         place, steps = self.places[k], rules.steps
+        self.sources[k] = source[slowest_within(place.way, speed, steps.margin)]
         kept = before
         if (bound < before).any():
             lowered = stepped(place, np.minimum(bound, most.max()), steps)
@@ -206,9 +213,11 @@ class _Planning:
 
     def cap(
         self, stretch: CutStretch, place: Places, before: Floats, taught: Mapping[tuple[str, float], Taken]
-    ) -> Floats:
-        """(n,) most speed at each station by teachers or limits [m/s]; the program's where neither tells anything."""
+    ) -> tuple[Floats, Ints]:
+        """(n,) most speed at each station by teachers or limits [m/s], the program's where neither tells anything; and
+        what sets it: index in SOURCES."""
         tool, found = self.tool(stretch), before.copy()
+        holds = np.full(len(before), SOURCES.index(FEED))
         speed, spindle = np.maximum(before, 1e-9), self.spindle(stretch)
         limits = self.rules.limits_of(tool)
         for turns in np.unique(spindle).tolist():
@@ -221,18 +230,21 @@ class _Planning:
                 allowed, teacher = learned_speeds(forces, taken, speed)
                 # no feed makes an edge shorter that is longer than any teacher's
                 allowed = np.where(teacher >= 0, allowed, before)
+                sets = np.where(teacher >= 0, SOURCES.index(TAUGHT), SOURCES.index(FEED))
             elif limits.names:
                 forces = self.forces(stretch, stretch.possible, turns)
                 within = speeds_within(forces, place, limits, max(self.air_feed, float(before.max())))
                 self.tell_overload(stretch, limits, 1.0 + np.where(at, within.exceeded, 0.0), True)
                 allowed = np.where(within.exceeded > 0.0, before, within.speed)
+                words = np.array([SOURCES.index(name.replace("_", " ")) for name in limits.names])
+                sets = np.where(within.holds >= 0, words[within.holds], SOURCES.index(FEED))
                 self.tell_overload(stretch, limits, np.where(at, before / allowed.clip(1e-12), 0.0), False)
             else:
                 break
             # what is cut without a chip that is known has no load that is known
             allowed = np.where(forces.loads(speed).chip > 0.0, allowed, np.minimum(allowed, before))
-            found = np.where(at, allowed, found)
-        return found
+            found, holds = np.where(at, allowed, found), np.where(at, sets, holds)
+        return found, holds
 
     def tell_overload(self, stretch: CutStretch, limits: CutLimits, share: Floats, always: bool) -> None:
         """Keep the worst place of a tool at which the shares (n,) of its limits are above 1."""

@@ -24,20 +24,7 @@ CLOSE = 1e-4
 """Share of a speed within which it is found."""
 LOWEST = 1e-3
 """Share of the highest speed below which none is looked for."""
-WORDS = {
-    "chip": "thickness of the chip",
-    "feed_per_tooth": "feed per tooth",
-    "removal_rate": "removal rate",
-    "force": "cutting force",
-    "torque": "torque of the spindle",
-    "power": "power of the spindle",
-    "moment": "bending moment of the tool",
-    "stress": "bending stress of the shank",
-    "deflection": "deflection of the tip",
-    "surface_deflection": "deflection left on the surface",
-    "feed_marks": "feed marks",
-}
-"""What holds the motion back where a limit is reached."""
+FEED, AIR, TAUGHT = "feed", "feed in air", "load of the teacher"
 
 
 @dataclass(frozen=True)
@@ -77,6 +64,10 @@ class CutLimits:
     def names(self) -> tuple[str, ...]:
         """Those that there are."""
         return tuple(each.name for each in fields(self) if getattr(self, each.name) is not None)
+
+
+SOURCES = (FEED, AIR, TAUGHT, *(each.name.replace("_", " ") for each in fields(CutLimits)))
+"""What can set the speed at a place."""
 
 
 @dataclass(frozen=True)

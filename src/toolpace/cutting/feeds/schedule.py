@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, number
+from toolpace.common.arrays import Floats, Ints, number
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.programs.toolpath import ToolPath
 
@@ -86,6 +86,15 @@ def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) ->
     high = np.maximum(high, np.arange(len(way)) + 1)
     edges = np.stack([low, high], axis=1).ravel()
     found: Floats = extreme.reduceat(np.append(values, values[-1:]), edges)[::2]
+    return found
+
+
+def slowest_within(way: Floats, speed: Floats, reach: float) -> Ints:
+    """(n,) of each way that which is the slowest (n,) of those that come within `reach` [m] of it."""
+    order = np.argsort(speed, kind="stable")
+    rank = np.empty(len(order))
+    rank[order] = np.arange(len(order))
+    found: Ints = order[over_window(way, rank, reach, np.minimum).astype(np.int64)]
     return found
 
 

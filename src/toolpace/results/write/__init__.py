@@ -29,6 +29,7 @@ from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
 from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.programs.toolpath import ToolPath
+from toolpace.results.write.cut_file import CUT, cut_part, profile_of, read_cut, write_cut
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
@@ -45,7 +46,8 @@ from toolpace.results.write.result import (
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "SetPointDigest", "bent_tool", "digest_of", "read_again", "read_plan", "reading_record",
+    "PlanResult", "SetPointDigest", "bent_tool", "cut_part", "digest_of", "profile_of", "read_again", "read_cut",
+    "read_plan", "reading_record",
     "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
@@ -141,6 +143,8 @@ def write_folder(
         write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
+        if result.cut is not None:
+            write_cut(folder / CUT, result.cut[1])
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -214,4 +218,5 @@ def written_files(
     motion = [points, *[TRAJECTORY] * trajectory] if points else []
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
     how += [record.bending.tool_file] if record.bending is not None else []
+    how += [record.cut.file] if record.cut is not None else []
     return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

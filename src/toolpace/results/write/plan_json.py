@@ -13,6 +13,7 @@ import msgspec
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
 from toolpace.programs.tolerances import Tolerances
+from toolpace.results.write.cut_file import CutRecord
 
 if TYPE_CHECKING:
     from toolpace.motion.trajectory import OperationTime, Trajectory
@@ -187,6 +188,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Share of the path's length where the tip is off by more than 90 % of its tolerance."""
     axis_at_tolerance: float | None = None
     """The same of the tool axis."""
+    cut: CutRecord | None = None
+    """By what the cut held the speed; null where the program's feeds did."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

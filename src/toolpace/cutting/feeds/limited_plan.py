@@ -1,0 +1,265 @@
+"""The fastest motion of a program whose cut keeps its limits: caps of the cut within the planner.
+
+plan the program by its feeds, the path fitted once           for the way of the tool
+cut the stock along it                                        engagement at each station
+most speed at each station, as a profile over the program     air, teachers or limits
+fit path and motion with that profile                         rounds of path and pace see it
+while the path is another than the one that was cut
+    cut the stock along the path of the motion                its own engagement
+    plan that same path anew with its own profile
+
+The last profile is always of the path that is moved: what path and pace changed by is in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.units import format_length
+from toolpace.common.value_objects import counted
+from toolpace.common.workers import CallersProgress
+from toolpace.cutting.engagement.stations import Stations
+from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
+from toolpace.cutting.feeds.limits import FEED, SOURCES
+from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.simulation import MEMORY, simulate_cut
+from toolpace.cutting.simulation.simulate import CutSimulation
+from toolpace.machine.machine import Machine
+from toolpace.motion.trajectory import Trajectory
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.path import Path
+from toolpace.path.run import PathRun
+from toolpace.planning.planner import Planner, plan
+from toolpace.planning.program_plan import ProgramPlan, plan_program
+from toolpace.programs.speed_profile import SpeedProfile, ways_between
+from toolpace.programs.tolerances import Tolerances
+from toolpace.programs.toolpath import ToolPath, check_toolpath
+
+if TYPE_CHECKING:
+    from toolpace.programs.reading.coordinates.setup import SetUp
+
+BELOW = 2e-3
+"""Share of a speed by which the profile may be below it, so that it has few places."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CutLimitedPlan:
+    """A motion whose speed is that which its cut allows."""
+
+    plan: ProgramPlan
+    toolpath: ToolPath
+    """The program with its profile of speed, which the motion was planned for."""
+    simulation: CutSimulation
+    """What this very path cuts."""
+    feeds: FeedPlan
+    """What its cut allows, station by station."""
+
+    @property
+    def extent(self) -> str:
+        """In words, for a step that is done."""
+        stations = sum(len(each.stations) for each in self.simulation.stretches)
+        return f"{counted(stations, 'station')}, cells of {format_length(self.simulation.resolution)}"
+
+    def fed(self, toolpath: ToolPath) -> ToolPath:
+        """The program with the speeds that its cut allows in place of its feeds."""
+        profile = self.toolpath.speed_profile
+        return toolpath if profile is None else toolpath.fed_by(profile)
+
+
+def plan_within_cut(
+    toolpath: ToolPath,
+    machine: Machine,
+    setup: SetUp,
+    rules: FeedRules,
+    tip_tolerance: float | Tolerances = 10e-6,
+    axis_tolerance: float | Tolerances = 1e-3,
+    *,
+    effort: str = "normal",
+    planner: str | Planner = "optimal",
+    resolution: float | None = None,
+    memory: float = MEMORY,
+    reached: Floats | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> CutLimitedPlan:
+    """The fastest motion of a tool path within the limits of a machine whose cut is as `rules` allow.
+
+    Stock and tools are those of a set-up sheet; resolution and memory as for `simulate_cut`, the rest as for
+    `plan_program`. reached: (points,) speed that the control reaches on the way to each point, by which `learned`
+    teaches [m/s]; None: that of the motion of the program's feeds. On a guessed stock no speed is above the program's.
+    Raises as these two, and UsageError where `rules` need a figure that nothing tells.
+    """
+    check_toolpath(toolpath, "plan_within_cut")
+    report = CallersProgress(progress)
+
+    def part(begin: float, end: float) -> Callable[[float], None]:
+        return lambda share: report(begin + (end - begin) * share)
+
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    tolerances = tip_tolerance, axis_tolerance
+
+    def cut(trajectory: Trajectory, tell: Callable[[float], None]) -> tuple[CutSimulation, FeedPlan]:
+        simulation = simulate_cut(
+            trajectory, toolpath, setup, resolution=resolution, memory=memory, progress=tell
+        )
+        steps = replace(rules.steps, margin=max(rules.steps.margin, simulation.resolution))
+        return simulation, plan_feeds(simulation, toolpath, tools, replace(rules, steps=steps), reached)
+
+    first = plan_program(toolpath, machine, *tolerances, effort="low", progress=part(0.0, 0.15))
+    simulation, feeds = cut(first.trajectory, part(0.15, 0.3))
+    limited = with_profile(toolpath, first.trajectory, simulation, feeds)
+    found = plan_program(limited, machine, *tolerances, effort=effort, planner=planner, progress=part(0.3, 0.7))
+    if not same_path(found.path, first.path):
+        simulation, feeds = cut(found.trajectory, part(0.7, 0.85))
+        limited = with_profile(toolpath, found.trajectory, simulation, feeds)
+        path = carrying(found.path, limited)
+        trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=part(0.85, 1.0))
+        found = replace(found, path=path, trajectory=trajectory)
+    report(1.0)
+    return CutLimitedPlan(found, limited, simulation, feeds)
+
+
+def same_path(one: Path, other: Path) -> bool:
+    """Whether two paths are the same curves."""
+    pairs = list(zip(one.runs, other.runs))
+    return len(one.runs) == len(other.runs) and all(
+        a.breaks.shape == b.breaks.shape
+        and np.array_equal(a.breaks, b.breaks)
+        and all(
+            x is None or y is None or np.array_equal(x, y)
+            for x, y in zip(a.evaluate(a.breaks)[:3], b.evaluate(b.breaks)[:3])
+        )
+        for a, b in pairs
+    )
+
+
+def carrying(path: Path, toolpath: ToolPath) -> Path:
+    """A path of a tool path with that one's feeds, least times and profile of speed."""
+
+    def of_run(run: PathRun) -> PathRun:
+        profile = toolpath.speed_profile
+        along = None if profile is None else profile.along(ways_between(run.entry), run.block_start)
+        entry = run.entry
+        return replace(run, feed=toolpath.feed[entry], least_time=toolpath.least_time[entry], speed_profile=along)
+
+    return replace(path, runs=tuple(map(of_run, path.runs)))
+
+
+def with_profile(toolpath: ToolPath, trajectory: Trajectory, simulation: CutSimulation, feeds: FeedPlan) -> ToolPath:
+    """A tool path whose ways at feed have, in place of their feeds, the speeds that the cut along a motion allows."""
+    stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
+    pieces = []
+    limited = np.zeros(len(toolpath), dtype=np.bool_)
+    for stretch, speed, source in zip(stretches, feeds.feeds, feeds.sources):
+        limited[np.unique(stretch.stations.point[1:])] = True
+        # where the tip stands, the time of its turn is the program's
+        pieces += _pieces(trajectory, stretch.stations, np.where(speed > 0.0, speed, np.inf), source)
+    if not pieces:
+        return toolpath
+    place, most, source = (np.concatenate(each) for each in zip(*_with_gaps(pieces, len(toolpath) - 1)))
+    limited &= (toolpath.way_length > 0.0) & ~toolpath.rapid
+    highest = float(most[np.isfinite(most)].max(initial=0.0)) or np.inf
+    return replace(
+        toolpath,
+        # one feed above all others: where feeds differ from block to block the cap would jump
+        feed=np.where(limited, highest, toolpath.feed),
+        least_time=np.where(limited, 0.0, toolpath.least_time),
+        speed_profile=SpeedProfile(place, most, source, SOURCES),
+    )
+
+
+Piece = tuple[Floats, Floats, Ints]
+"""Places, speeds there, and what sets the speed from each to the next."""
+
+
+def _pieces(trajectory: Trajectory, stations: Stations, speed: Floats, source: Ints) -> list[Piece]:
+    """The profile over neighbouring stations, a piece for each run; `speed` (n,) and `source` (n,) are those of the way
+    to each station."""
+    found = []
+    run_of = _run_of(trajectory)[stations.point]
+    run_of[0] = run_of[1]
+    edges = [0, *np.flatnonzero(np.diff(run_of)).tolist(), len(run_of) - 1]
+    for first, last in pairwise(edges):
+        k = int(run_of[last])
+        run, law = trajectory.axis_path.runs[k], trajectory.laws[k]
+        t = np.clip(stations.time[first : last + 1] - trajectory.starts[k], 0.0, law.duration)
+        s = law.at(t)[0]
+        on = np.concatenate([[0], np.flatnonzero(np.diff(np.maximum.accumulate(s)) > 0.0) + 1])
+        if len(on) < 2:
+            continue
+        start, entry = run.entries()
+        # at rest the law tells places by its times to a micrometre, and the profile must reach the end of a way
+        s[0] = start[np.searchsorted(entry, stations.point[first + 1])]
+        s[-1] = start[np.searchsorted(entry, stations.point[last]) + 1]
+        on = on[s[on] < s[-1]]
+        on = np.append(on, len(s) - 1)
+        # of ways that are none the next one's speed holds from where they stand
+        s, of_way, sets = s[on], speed[first + on[1:]], source[first + on[1:]]
+        most = np.concatenate([of_way[:1], np.minimum(of_way[1:], of_way[:-1]), of_way[-1:]])
+        kept = few_places(s, most)
+        found.append((np.interp(s[kept], start, ways_between(entry)), most[kept], _least(most, sets, kept)))
+    return found
+
+
+def _least(most: Floats, sets: Ints, kept: Ints) -> Ints:
+    """(k,) what sets the speed from each place that is kept to the next: that of the slowest way between them."""
+    slowest = [low + int(most[low : high + 1].argmin()) for low, high in pairwise(kept.tolist())]
+    found = sets[np.minimum(np.array(slowest, dtype=np.int64), len(sets) - 1)]
+    return np.append(found, found[-1:])
+
+
+def few_places(s: Floats, most: Floats) -> Ints:
+    """Which places of a line through (s, most) (n,) are enough for one that is never above it, and not below by more
+    than BELOW; the speeds there are its own.
+
+    From each place on the last one that can be reached straight (Williams 1978, "An efficient algorithm for the
+    piecewise linear approximation of planar curves").
+    """
+    kept = [0]
+    n = len(s)
+    while kept[-1] < n - 1:
+        k = kept[-1]
+        low, high, best = -np.inf, np.inf, k + 1
+        if np.isinf(most[k]):
+            ahead = np.flatnonzero(np.isfinite(most[k + 1 :]))
+            best = k + 1 + (int(ahead[0]) if len(ahead) else n - 2 - k)
+            best = max(k + 1, best - 1) if len(ahead) and best > k + 1 else best
+            kept.append(best)
+            continue
+        for j in range(k + 1, n):
+            if np.isinf(most[j]):
+                break
+            slope = (most[j] - most[k]) / (s[j] - s[k])
+            if low <= slope <= high:
+                best = j
+            high = min(high, slope)
+            low = max(low, (most[j] * (1.0 - BELOW) - most[k]) / (s[j] - s[k]))
+            if low > high:
+                break
+        kept.append(best)
+    return np.array(kept, dtype=np.int64)
+
+
+def _run_of(trajectory: Trajectory) -> Ints:
+    """(points,) the run that leads to each point of the tool path."""
+    entries = [run.entries()[1] for run in trajectory.axis_path.runs]
+    last = np.array([entry[-1] for entry in entries])
+    return np.minimum(np.searchsorted(last, np.arange(last[-1] + 1)), len(last) - 1).astype(np.int64)
+
+
+def _with_gaps(pieces: list[Piece], last: int) -> list[Piece]:
+    """The pieces with nothing limited between them, from 0 to the `last` place."""
+    found: list[Piece] = []
+    feed = SOURCES.index(FEED)
+    for place, most, source in pieces:
+        ends = np.array([np.inf])
+        found.append((place[:1], ends, np.array([feed])))
+        found.append((place, most, source))
+        found.append((place[-1:], ends, np.array([feed])))
+    nothing = np.array([np.inf]), np.array([feed])
+    return [(np.array([0.0]), *nothing), *found, (np.array([float(last)]), *nothing)]

@@ -1,0 +1,130 @@
+"""cut.npz and what plan.json says of it: the speeds that the cut of a plan allows, and the engagement they are from."""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import UsageError
+from toolpace.common.files import reason, whole_file
+from toolpace.programs.speed_profile import SpeedProfile
+
+if TYPE_CHECKING:
+    from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.cutting.feeds.rules import FeedRules
+
+CUT = "cut.npz"
+"""Its name in the folder of a plan."""
+OF_STATIONS = ("tip", "axis", "time", "point", "operation")
+OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
+
+
+class CutRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What held the speed by the cut."""
+
+    feeds: str
+    """air, learned or limits."""
+    file: str
+    """The profile of speed and the engagement, beside this file."""
+    sha256: str
+    """Of that file."""
+    resolution_mm: float
+    stock_guessed: bool
+    uncertainty_mm: float
+    limits: dict[str, dict[str, float]] = {}
+    """By tool, "" for all; each in SI by its name."""
+    materials: dict[str, dict[str, float]] = {}
+    """Coefficients of the force likewise, in Pa and N/m."""
+    finishing: bool = False
+    """Whether speeds are raised where a surface is made that stays, too."""
+    notes: list[str] = []
+
+
+def cut_part(found: CutLimitedPlan, rules: FeedRules) -> tuple[CutRecord, bytes]:
+    """What plan.json says of a plan within its cut, and the bytes of cut.npz."""
+    data = cut_bytes(found)
+    return cut_record(found, rules, data), data
+
+
+def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutRecord:
+    """What plan.json says of a plan within its cut, whose file holds `data`."""
+    simulation = found.simulation
+    return CutRecord(
+        feeds=rules.way,
+        file=CUT,
+        sha256=hashlib.sha256(data).hexdigest(),
+        resolution_mm=1e3 * simulation.resolution,
+        stock_guessed=simulation.guessed,
+        uncertainty_mm=1e3 * simulation.uncertainty,
+        limits={
+            tool: {name: float(getattr(limits, name)) for name in limits.names} for tool, limits in rules.limits.items()
+        },
+        materials={tool: msgspec.to_builtins(each) for tool, each in rules.materials.items()},
+        finishing=rules.finishing,
+        notes=list(found.feeds.notes),
+    )
+
+
+def cut_bytes(found: CutLimitedPlan) -> bytes:
+    """cut.npz of a plan within its cut."""
+    import io
+
+    profile = found.toolpath.speed_profile
+    arrays: dict[str, Floats | Ints] = {}
+    if profile is not None:
+        arrays |= {"place": profile.place, "speed": profile.speed, "limit": profile.limit}
+        arrays["names"] = np.array(profile.names)
+    arrays["feed"], arrays["least_time"] = found.toolpath.feed, found.toolpath.least_time
+    stretches = [each for each in found.simulation.stretches if not each.rapid and len(each.stations) > 1]
+    for name in OF_STATIONS:
+        arrays[f"station {name}"] = np.concatenate([getattr(each.stations, name) for each in stretches])
+    tables = [each.possible for each in stretches]
+    for name in OF_TABLE:
+        arrays[f"engagement {name}"] = np.concatenate([getattr(each, name) for each in tables])
+    arrays["engagement slice_height"] = np.concatenate(
+        [np.full(len(each.along), each.slice_height) for each in tables]
+    )
+    arrays["engagement arcs"] = np.concatenate([np.diff(each.first_arc) for each in tables])
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def write_cut(path: Path, data: bytes) -> None:
+    """Write it, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def read_cut(folder: Path, record: CutRecord | None) -> dict[str, Floats | Ints] | None:
+    """The arrays of cut.npz; None where the plan knows no cut. Raises UsageError where plan.json and it differ."""
+    file = folder / CUT
+    if record is None and not file.exists():
+        return None
+    cure = "plan again to write it anew"
+    if record is None or record.file != CUT or not file.exists():
+        raise UsageError(f"{file}: plan.json and the file do not belong together; {cure}")
+    try:
+        data = file.read_bytes()
+        if hashlib.sha256(data).hexdigest() != record.sha256:
+            raise UsageError(f"{file}: is not the file that the plan was made with (sha256); {cure}")
+        with np.load(file, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except OSError as error:
+        raise UsageError(f"{file}: cannot read: {reason(error)}") from None
+    except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        raise UsageError(f"{file}: is damaged; {cure}") from None
+
+
+def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:
+    """The profile of speed in cut.npz; None where there is none. Raises UsageError for what is none."""
+    if "place" not in arrays:
+        return None
+    names = tuple(str(each) for each in arrays["names"])
+    return SpeedProfile(arrays["place"], arrays["speed"], arrays["limit"], names)  # type: ignore[arg-type]
