@@ -64,7 +64,7 @@ def plan_command(
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
     feed: options.Feed = None,
-    allowed: feeds.Allowed = feeds.AS_PROGRAMMED,
+    allowed: feeds.AllowedInPlan = feeds.AS_PROGRAMMED,
     resolution: cut.Resolution = None,
     memory: cut.Memory = cut.MEMORY,
     bend: options.Bend = None,

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult, SetPointDigest
+    from toolpace.results.write.cut_file import CutRecord
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -93,6 +94,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
+        programmed = toolpath
         compensation = compensated_for_bending(job, steps, toolpath)
         within_cut = None if job.cut is None else planned_within_cut(job, job.cut, steps, toolpath)
         if within_cut is not None:
@@ -106,6 +108,9 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(steps, sampled.judge)
+    cut = None if within_cut is None or job.cut is None else write.cut_part(within_cut, job.cut.rules)
+    if cut is not None:
+        verification = with_cut_verified(job, steps, verification, sampled.points, programmed, cut)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -124,7 +129,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
-        cut=None if within_cut is None or job.cut is None else write.cut_part(within_cut, job.cut.rules),
+        cut=cut,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -348,6 +353,21 @@ def verify_motion(steps: TimedSteps, judge: MotionJudge) -> Verification:
     """The judge's word on the set-points that it has seen."""
     with steps.step("verifying"):
         return judge.judged()[0]
+
+
+def with_cut_verified(
+    job: Job, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
+    cut: tuple[CutRecord, bytes],
+) -> Verification:  # fmt: skip
+    """The judge's word, with that on the cut of the set-points along the program."""
+    from toolpace.judge.cut import checks_of_cut
+    from toolpace.motion.setpoints import in_memory
+    from toolpace.results import write
+
+    with steps.step("verifying the cut"):
+        promise = write.promise_of(cut[0], toolpath, job.options.setup, job.machine)
+        checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(cut[1]))
+        return replace(found, checks=(*found.checks, *checks))
 
 
 def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:

@@ -94,21 +94,6 @@ class Allowed:
         Parameter(help="Operation whose feeds stay, by name. Repeat it.", negative=(), consume_multiple=False),
     ] = None
 
-    def of_plan(self, resolution: str | None, memory: str) -> CutOptions | None:
-        """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
-        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
-        from toolpace.jobs.cut_options import CutOptions
-
-        if self.feeds == AS_PROGRAMMED.feeds:
-            for name in (each.name for each in fields(self) if each.name != "feeds"):
-                if getattr(self, name) != getattr(AS_PROGRAMMED, name):
-                    option = "--" + name.replace("_", "-")
-                    raise UsageError(f"{option} goes with --feeds air, learned or limits")
-            return None
-        steps = FeedSteps(margin=parse_length(self.margin), ratio=FINE_STEPS, shortest=0.0)
-        cell_size = None if resolution is None else cell(resolution)
-        return CutOptions(replace(self.rules(), steps=steps), cell_size, size(memory))
-
     def rules(self) -> FeedRules:
         """The same, checked. Raises UsageError."""
         from toolpace.cutting.feeds.rules import FeedRules
@@ -134,8 +119,45 @@ class Allowed:
 
 
 AS_IN_AIR = Allowed()
-AS_PROGRAMMED = Allowed("program", margin="0mm")
-"""Of a plan: its caps hold from one station to the next, and need no margin."""
+
+
+PROGRAM = "program"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class AllowedInPlan(Allowed):
+    """What the speeds of a plan may become."""
+
+    feeds: Annotated[
+        str,
+        Parameter(
+            name="--feeds",
+            help="program: the feeds are those of the program. air, learned, limits: as fast as the cut allows, as "
+            "`toolpace feeds` has it; the sheet tells stock and tools.",
+        ),
+    ] = PROGRAM
+    margin: Annotated[
+        str, Parameter(help="How far before and behind a place what its cut allows holds, beyond one cell: 0.5mm.")
+    ] = "0mm"
+
+    def of_plan(self, resolution: str | None, memory: str) -> CutOptions | None:
+        """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
+        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+        from toolpace.jobs.cut_options import CutOptions
+
+        if self.feeds == PROGRAM:
+            for name in (each.name for each in fields(self) if each.name != "feeds"):
+                if getattr(self, name) != getattr(AS_PROGRAMMED, name):
+                    option = "--" + name.replace("_", "-")
+                    raise UsageError(f"{option} goes with --feeds air, learned or limits")
+            return None
+        steps = FeedSteps(margin=parse_length(self.margin), ratio=FINE_STEPS, shortest=0.0)
+        cell_size = None if resolution is None else cell(resolution)
+        return CutOptions(replace(self.rules(), steps=steps), cell_size, size(memory))
+
+
+AS_PROGRAMMED = AllowedInPlan()
 
 
 def feeds_command(

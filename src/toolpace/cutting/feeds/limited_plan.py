@@ -13,7 +13,7 @@ The last profile is always of the path that is moved: what path and pace changed
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -29,6 +29,7 @@ from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
 from toolpace.cutting.feeds.limits import FEED, SOURCES
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.simulation import MEMORY, simulate_cut
+from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
@@ -59,6 +60,8 @@ class CutLimitedPlan:
     """What this very path cuts."""
     feeds: FeedPlan
     """What its cut allows, station by station."""
+    passed: tuple[Floats, ...]
+    """(n,) when the motion passes the stations of each stretch at feed [s]."""
 
     @property
     def extent(self) -> str:
@@ -114,14 +117,22 @@ def plan_within_cut(
     simulation, feeds = cut(first.trajectory, part(0.15, 0.3))
     limited = with_profile(toolpath, first.trajectory, simulation, feeds)
     found = plan_program(limited, machine, *tolerances, effort=effort, planner=planner, progress=part(0.3, 0.7))
+    moved = first.trajectory
     if not same_path(found.path, first.path):
+        moved = found.trajectory
         simulation, feeds = cut(found.trajectory, part(0.7, 0.85))
         limited = with_profile(toolpath, found.trajectory, simulation, feeds)
         path = carrying(found.path, limited)
         trajectory = plan(AxisPath.follow(path, machine), machine, planner=planner, progress=part(0.85, 1.0))
         found = replace(found, path=path, trajectory=trajectory)
+    passed = [passed_at(moved, each.stations, found.trajectory) for each in fed_stretches(simulation)]
     report(1.0)
-    return CutLimitedPlan(found, limited, simulation, feeds)
+    return CutLimitedPlan(found, limited, simulation, feeds, tuple(passed))
+
+
+def fed_stretches(simulation: CutSimulation) -> list[CutStretch]:
+    """Those at feed with a way."""
+    return [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
 
 
 def same_path(one: Path, other: Path) -> bool:
@@ -152,10 +163,9 @@ def carrying(path: Path, toolpath: ToolPath) -> Path:
 
 def with_profile(toolpath: ToolPath, trajectory: Trajectory, simulation: CutSimulation, feeds: FeedPlan) -> ToolPath:
     """A tool path whose ways at feed have, in place of their feeds, the speeds that the cut along a motion allows."""
-    stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
     pieces = []
     limited = np.zeros(len(toolpath), dtype=np.bool_)
-    for stretch, speed, source in zip(stretches, feeds.feeds, feeds.sources):
+    for stretch, speed, source in zip(fed_stretches(simulation), feeds.feeds, feeds.sources):
         limited[np.unique(stretch.stations.point[1:])] = True
         # where the tip stands, the time of its turn is the program's
         pieces += _pieces(trajectory, stretch.stations, np.where(speed > 0.0, speed, np.inf), source)
@@ -181,28 +191,44 @@ def _pieces(trajectory: Trajectory, stations: Stations, speed: Floats, source: I
     """The profile over neighbouring stations, a piece for each run; `speed` (n,) and `source` (n,) are those of the way
     to each station."""
     found = []
-    run_of = _run_of(trajectory)[stations.point]
-    run_of[0] = run_of[1]
-    edges = [0, *np.flatnonzero(np.diff(run_of)).tolist(), len(run_of) - 1]
-    for first, last in pairwise(edges):
-        k = int(run_of[last])
-        run, law = trajectory.axis_path.runs[k], trajectory.laws[k]
-        t = np.clip(stations.time[first : last + 1] - trajectory.starts[k], 0.0, law.duration)
-        s = law.at(t)[0]
+    for k, first, _, s in _parameters(trajectory, stations):
         on = np.concatenate([[0], np.flatnonzero(np.diff(np.maximum.accumulate(s)) > 0.0) + 1])
         if len(on) < 2:
             continue
-        start, entry = run.entries()
-        # at rest the law tells places by its times to a micrometre, and the profile must reach the end of a way
-        s[0] = start[np.searchsorted(entry, stations.point[first + 1])]
-        s[-1] = start[np.searchsorted(entry, stations.point[last]) + 1]
         on = on[s[on] < s[-1]]
         on = np.append(on, len(s) - 1)
         # of ways that are none the next one's speed holds from where they stand
         s, of_way, sets = s[on], speed[first + on[1:]], source[first + on[1:]]
         most = np.concatenate([of_way[:1], np.minimum(of_way[1:], of_way[:-1]), of_way[-1:]])
         kept = few_places(s, most)
-        found.append((np.interp(s[kept], start, ways_between(entry)), most[kept], _least(most, sets, kept)))
+        start, entry = trajectory.axis_path.runs[k].entries()
+        place = np.interp(s[kept], start, ways_between(entry))
+        found.append((place, (1.0 - 0.5 * BELOW) * most[kept], _least(most, sets, kept)))
+    return found
+
+
+def _parameters(trajectory: Trajectory, stations: Stations) -> Iterator[tuple[int, int, int, Floats]]:
+    """Of each run that neighbouring stations are in: its number, the first and the last station, and the parameters of
+    these and all between."""
+    run_of = _run_of(trajectory)[stations.point]
+    run_of[0] = run_of[1]
+    edges = [0, *np.flatnonzero(np.diff(run_of)).tolist(), len(run_of) - 1]
+    for first, last in pairwise(edges):
+        k = int(run_of[last])
+        run, law = trajectory.axis_path.runs[k], trajectory.laws[k]
+        s = law.at(np.clip(stations.time[first : last + 1] - trajectory.starts[k], 0.0, law.duration))[0]
+        start, entry = run.entries()
+        # at rest the law tells places by its times to a micrometre, and the profile must reach the end of a way
+        s[0] = start[np.searchsorted(entry, stations.point[first + 1])]
+        s[-1] = start[np.searchsorted(entry, stations.point[last]) + 1]
+        yield k, first, last, s
+
+
+def passed_at(cut: Trajectory, stations: Stations, trajectory: Trajectory) -> Floats:
+    """(n,) when a motion [s] along the same path as that which was cut passes its stations."""
+    found = np.zeros(len(stations))
+    for k, first, last, s in _parameters(cut, stations):
+        found[first : last + 1] = trajectory.starts[k] + trajectory.laws[k].times_at(np.maximum.accumulate(s))
     return found
 
 
@@ -214,31 +240,24 @@ def _least(most: Floats, sets: Ints, kept: Ints) -> Ints:
 
 
 def few_places(s: Floats, most: Floats) -> Ints:
-    """Which places of a line through (s, most) (n,) are enough for one that is never above it, and not below by more
-    than BELOW; the speeds there are its own.
+    """Which places of a line through (s, most) (n,) are enough for one through (1 - BELOW / 2) of it there, that is
+    nowhere above it, and nowhere below by more than BELOW.
 
     From each place on the last one that can be reached straight (Williams 1978, "An efficient algorithm for the
-    piecewise linear approximation of planar curves").
+    piecewise linear approximation of planar curves"). Where the line is infinite each place is kept.
     """
+    aim, least, n = most * (1.0 - 0.5 * BELOW), most * (1.0 - BELOW), len(s)
     kept = [0]
-    n = len(s)
     while kept[-1] < n - 1:
         k = kept[-1]
         low, high, best = -np.inf, np.inf, k + 1
-        if np.isinf(most[k]):
-            ahead = np.flatnonzero(np.isfinite(most[k + 1 :]))
-            best = k + 1 + (int(ahead[0]) if len(ahead) else n - 2 - k)
-            best = max(k + 1, best - 1) if len(ahead) and best > k + 1 else best
-            kept.append(best)
-            continue
-        for j in range(k + 1, n):
+        for j in range(k + 1, n if np.isfinite(most[k]) else k + 1):
             if np.isinf(most[j]):
                 break
-            slope = (most[j] - most[k]) / (s[j] - s[k])
-            if low <= slope <= high:
+            step = s[j] - s[k]
+            if low <= (aim[j] - aim[k]) / step <= high:
                 best = j
-            high = min(high, slope)
-            low = max(low, (most[j] * (1.0 - BELOW) - most[k]) / (s[j] - s[k]))
+            low, high = max(low, (least[j] - aim[k]) / step), min(high, (most[j] - aim[k]) / step)
             if low > high:
                 break
         kept.append(best)

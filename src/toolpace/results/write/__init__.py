@@ -29,7 +29,7 @@ from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
 from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.programs.toolpath import ToolPath
-from toolpace.results.write.cut_file import CUT, cut_part, profile_of, read_cut, write_cut
+from toolpace.results.write.cut_file import CUT, cut_arrays, cut_part, profile_of, promise_of, read_cut, write_cut
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
@@ -46,8 +46,8 @@ from toolpace.results.write.result import (
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "SetPointDigest", "bent_tool", "cut_part", "digest_of", "profile_of", "read_again", "read_cut",
-    "read_plan", "reading_record",
+    "PlanResult", "SetPointDigest", "bent_tool", "cut_arrays", "cut_part", "digest_of", "profile_of", "promise_of",
+    "read_again", "read_cut", "read_plan", "reading_record",
     "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,10 +19,14 @@ from toolpace.programs.speed_profile import SpeedProfile
 if TYPE_CHECKING:
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.judge.cut import CutPromise
+    from toolpace.machine.machine import Machine
+    from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.toolpath import ToolPath
 
 CUT = "cut.npz"
 """Its name in the folder of a plan."""
-OF_STATIONS = ("tip", "axis", "time", "point", "operation")
+OF_STATIONS = ("tip", "axis", "block", "operation")
 OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
 
 
@@ -73,15 +78,14 @@ def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutRecor
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:
     """cut.npz of a plan within its cut."""
-    import io
-
     profile = found.toolpath.speed_profile
     arrays: dict[str, Floats | Ints] = {}
     if profile is not None:
         arrays |= {"place": profile.place, "speed": profile.speed, "limit": profile.limit}
         arrays["names"] = np.array(profile.names)
-    arrays["feed"], arrays["least_time"] = found.toolpath.feed, found.toolpath.least_time
     stretches = [each for each in found.simulation.stretches if not each.rapid and len(each.stations) > 1]
+    arrays["station time"] = np.concatenate(found.passed)
+    arrays["station most"] = np.concatenate(found.feeds.feeds)
     for name in OF_STATIONS:
         arrays[f"station {name}"] = np.concatenate([getattr(each.stations, name) for each in stretches])
     tables = [each.possible for each in stretches]
@@ -94,6 +98,29 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
     return stream.getvalue()
+
+
+def promise_of(record: CutRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise | None:
+    """What a plan promises of its cut, as the judge takes it; None where the stock is a mesh, which is not judged."""
+    from toolpace.cutting.stock.solids import body_of
+    from toolpace.judge.cut import CutPromise, round_stock
+    from toolpace.machine.cutting_tool import Coefficients
+
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    if stock is None:
+        return None
+    body = body_of(stock.solid, machine, setup)
+    if body.box is None and body.cylinder is None:
+        return None
+    return CutPromise(
+        feeds=record.feeds,
+        stock=round_stock(body.box, body.cylinder, stock.uncertainty),
+        tools=tools,
+        limits=record.limits,
+        coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
+        resolution=1e-3 * record.resolution_mm,
+    )
 
 
 def write_cut(path: Path, data: bytes) -> None:
@@ -114,12 +141,17 @@ def read_cut(folder: Path, record: CutRecord | None) -> dict[str, Floats | Ints]
         data = file.read_bytes()
         if hashlib.sha256(data).hexdigest() != record.sha256:
             raise UsageError(f"{file}: is not the file that the plan was made with (sha256); {cure}")
-        with np.load(file, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return cut_arrays(data)
     except OSError as error:
         raise UsageError(f"{file}: cannot read: {reason(error)}") from None
     except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
         raise UsageError(f"{file}: is damaged; {cure}") from None
+
+
+def cut_arrays(data: bytes) -> dict[str, Floats | Ints]:
+    """The arrays in the bytes of cut.npz."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files}
 
 
 def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:
