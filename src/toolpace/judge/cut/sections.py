@@ -21,7 +21,7 @@ ANGLES = 180
 """Angles about the axis at which the surface is looked at first."""
 BISECTIONS = 12
 """Of an end of an arc: to a twentieth of a hundredth of a degree."""
-HEIGHTS, COARSE_ANGLES = 100, 48
+HEIGHTS, COARSE_ANGLES, FINER = 100, 48, 10
 """At which it is looked for how far up the tool is in material."""
 POSES = 256
 """Earlier poses that are looked at in one piece."""
@@ -126,12 +126,18 @@ class Surface:
         return found
 
     def top(self) -> float:
-        """How far up it is in material [m], to a hundredth of its edge; 0 where it is nowhere."""
+        """How far up it is in material [m], to a thousandth of its edge; 0 where it is nowhere."""
         step, turn = self.shape.reach / HEIGHTS, 2.0 * math.pi / COARSE_ANGLES
         height = np.repeat((np.arange(HEIGHTS) + 0.5) * step, COARSE_ANGLES)
         angle = np.tile((np.arange(COARSE_ANGLES) + 0.5) * turn, HEIGHTS)
         within = np.flatnonzero(self.in_material(height, angle))
-        return float(height[within[-1]] + 0.5 * step) if len(within) else 0.0
+        if not len(within):
+            return 0.0
+        low = float(height[within[-1]])
+        finer = np.linspace(low, low + step, FINER + 1)
+        height, angle = np.repeat(finer, ANGLES), np.tile((np.arange(ANGLES) + 0.5) * 2.0 * math.pi / ANGLES, FINER + 1)
+        within = np.flatnonzero(self.in_material(np.minimum(height, self.shape.reach), angle))
+        return float(height[within[-1]]) if len(within) else low
 
     def section(self, heights: Floats) -> Section:
         """The arcs at the middles of slices `heights` (m,) [m]."""
