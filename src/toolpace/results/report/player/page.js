@@ -41,6 +41,7 @@ async function start() {
     button.addEventListener("click", () => { press(document.querySelectorAll("[data-camera]"), button); if (space) space.look(button.dataset.camera); });
   }
   for (const button of document.querySelectorAll("[data-layer]")) {
+    button.hidden = button.hasAttribute("hidden") && !space?.workpiece?.layers[button.dataset.layer];
     button.addEventListener("click", () => {
       const on = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", String(on));
@@ -77,7 +78,7 @@ async function start() {
   let shown;
   window.addEventListener("beforeprint", () => { shown = document.documentElement.dataset.theme; dress("light", player, timeline, space); });
   window.addEventListener("afterprint", () => dress(shown, player, timeline, space));
-  window.toolpace = { seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(), state: () => player.state(),
+  window.toolpace = { seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(), state: () => ({ ...player.state(), stock: space?.workpiece?.stage ?? null }),
     onScreen: (point) => space && space.onScreen(point) };
   colourKey();
   const tab = document.querySelector("[data-tab]:not([hidden])");

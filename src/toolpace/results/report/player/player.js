@@ -14,6 +14,11 @@ class Player {
     this.text = data.program ? new TextDecoder().decode(arrays.bytes(data.program)).split("\n") : null;
     this.t = 0;
     this.rate = 1;
+    this.workpiece = data.workpiece || null;
+    this.arrays = arrays;
+    this.panels = data.panels || [];
+    this.tracks = (data.tracks || []).map((c) => ({ ...c, values: arrays.numbers(c.data) }));
+    this.states = data.states ? { names: data.states.names, values: arrays.whole(data.states.data) } : null;
     this.colouring = "speed";
     this.watchers = [];
     this.account();
@@ -60,6 +65,7 @@ class Player {
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
   stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }
+  stateAt(t) { const { names, values } = this.states; return names[values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)]] || "at rest"; }
   limitAt(t) { const k = this.stripAt(t); return k < 0 ? "no limit reached" : this.limits[k].name; }
   limitColour(t) { const k = this.stripAt(t); return k < 0 ? this.look.neutral : this.limits[k].colour; }
   operationName(k) { const each = this.operations[k]; return each ? each.name || (each.tool ? `tool ${each.tool}` : `operation ${k + 1}`) : "-"; }

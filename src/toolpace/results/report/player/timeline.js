@@ -20,9 +20,11 @@ class Timeline {
     this.rows = [{ kind: "overview", height: OVERVIEW, title: "" }];
     if (player.operations.length > 1) this.rows.push({ kind: "operations", height: BAR, title: "Operations" });
     this.rows.push({ kind: "strip", height: STRIP, title: "What limits" });
+    if (player.states) this.rows.push({ kind: "states", height: STRIP, title: "Air or material" });
     for (const [panel, title] of PANELS) {
       const channels = player.channels.filter((c) => c.panel === panel);
       if (channels.length && !this.hidden.has(panel)) this.rows.push({ kind: "curves", height: PANEL, panel, title, channels });
+      if (panel === "feed") for (const each of player.panels) this.rows.push(trackRow(player, each));
     }
     let y = 6;
     for (const row of this.rows) { y += row.title ? GAP : 0; row.y = y; y += row.height; }
@@ -127,24 +129,65 @@ class Timeline {
     }
   }
 
-  curves(ink, row, look) {
-    const feed = row.panel === "feed", off = row.panel === "deviation";
-    const low = feed || off ? 0 : -1.12, high = feed ? 1.06 * this.player.highest : 1.12;
-    const y = (v) => row.y + row.height * (1 - (v - low) / (high - low));
+  states(ink, row, look) {
+    const { values, names } = this.player.states, n = values.length;
+    for (let px = 0; px < this.span; px++) {
+      const k = values[Math.min(Math.floor((this.time(LEFT + px + 0.5) / this.player.duration) * n), n - 1)];
+      ink.fillStyle = k < 0 ? look.ground : STATE_COLOURS[k];
+      ink.fillRect(LEFT + px, row.y, 1.2, row.height);
+    }
+    let x = LEFT + this.span;
+    ink.textAlign = "right";
+    for (const k of [...new Set(values)].filter((v) => v >= 0).sort((a, b) => b - a)) {
+      ink.fillStyle = look.soft;
+      ink.fillText(names[k], x, row.y - 6);
+      x -= ink.measureText(names[k]).width + 15;
+      ink.fillStyle = STATE_COLOURS[k];
+      ink.fillRect(x, row.y - 15, 10, 10);
+      x -= 10;
+    }
+  }
+
+  // Curves in a unit of their own, from zero to their largest.
+  tracks(ink, row, look) {
+    const y = (v) => row.y + row.height * (1 - v / row.high);
+    this.grid(ink, row, look, niceTicks(row.high, 3).map((mark) => [y(mark), figure(mark)]));
+    ink.save();
+    ink.beginPath();
+    ink.rect(LEFT, row.y, this.span, row.height);
+    ink.clip();
+    row.channels.forEach((channel, k) => {
+      const colour = trackColour(look, row, k);
+      if (row.channels.length === 1) this.area(ink, channel, this.from, this.to, row, 0, row.high, colour);
+      this.line(ink, channel, y, colour, 1.3);
+    });
+    ink.restore();
+    this.names(ink, row, look);
+  }
+
+  // The ground of a panel, with marks: where each is, and what it says.
+  grid(ink, row, look, marks) {
     ink.fillStyle = look.ground;
     ink.fillRect(LEFT, row.y, this.span, row.height);
     ink.strokeStyle = look.line;
     ink.lineWidth = 1;
     ink.fillStyle = look.soft;
     ink.textAlign = "right";
-    const marks = feed ? niceTicks(high, 3) : off ? [0, 0.5, 1] : [-1, 0, 1];
-    for (const mark of marks) {
+    for (const [y, text] of marks) {
       ink.beginPath();
-      ink.moveTo(LEFT, y(mark));
-      ink.lineTo(LEFT + this.span, y(mark));
+      ink.moveTo(LEFT, y);
+      ink.lineTo(LEFT + this.span, y);
       ink.stroke();
-      ink.fillText(feed ? spaced(mark) : `${Math.round(100 * mark)} %`, LEFT - 6, y(mark) + 4);
+      ink.fillText(text, LEFT - 6, y + 4);
     }
+  }
+
+  curves(ink, row, look) {
+    const feed = row.panel === "feed", off = row.panel === "deviation";
+    const low = feed || off ? 0 : -1.12, high = feed ? 1.06 * this.player.highest : 1.12;
+    const y = (v) => row.y + row.height * (1 - (v - low) / (high - low));
+    const marks = feed ? niceTicks(high, 3) : off ? [0, 0.5, 1] : [-1, 0, 1];
+    this.grid(ink, row, look, marks.map((mark) => [y(mark), feed ? spaced(mark) : `${Math.round(100 * mark)} %`]));
     if (!feed) {
       ink.strokeStyle = look.bad;
       ink.setLineDash([5, 4]);
@@ -171,11 +214,12 @@ class Timeline {
   }
 
   names(ink, row, look) {
-    if (row.panel === "feed" || row.panel === "deviation") return;
+    const own = row.kind === "tracks";
+    if (row.panel === "feed" || row.panel === "deviation" || (own && row.channels.length === 1)) return;
     let x = LEFT + this.span;
     ink.textAlign = "right";
     for (const channel of [...row.channels].reverse()) {
-      ink.fillStyle = look.joints[channel.joint % look.joints.length];
+      ink.fillStyle = own ? trackColour(look, row, row.channels.indexOf(channel)) : look.joints[channel.joint % look.joints.length];
       ink.fillText(channel.name, x, row.y - 6);
       x -= ink.measureText(channel.name).width + 12;
     }
@@ -310,6 +354,10 @@ class Timeline {
     const lines = [this.player.placeAt(t)];
     if (row.kind === "operations") lines.push(this.player.operationName(this.player.operationAt(t)));
     if (row.kind === "strip") lines.push(this.player.limitAt(t));
+    if (row.kind === "states") lines.push(this.player.stateAt(t));
+    if (row.kind === "tracks") {
+      for (const { name, unit, values } of row.channels) lines.push(`${name}: ${figure(values[Math.round((t / this.player.duration) * (values.length - 1))])} ${unit}`);
+    }
     if (row.kind === "curves") {
       for (const channel of row.channels) {
         const v = channel.values[Math.round((t / this.player.duration) * (channel.values.length - 1))];
@@ -327,6 +375,18 @@ class Timeline {
 
 const PANELS = [["feed", "Speed of the tip, mm/min"], ["deviation", "Off the program, share of the tolerance: tip (dark), tool axis (light)"],
   ["velocity", "Velocity, share of the limit"], ["acceleration", "Acceleration, share of the limit"], ["jerk", "Jerk, share of the limit"]];
+
+const STATE_COLOURS = ["#c3ccd8", "#14a37f", "#e0b13c", "#7a9cf0"];  // in air, cutting, not sure, rapid
+
+function trackRow(player, { name, title }) {
+  const channels = player.tracks.filter((c) => c.panel === name);
+  const high = 1.08 * Math.max(...channels.map((c) => c.values.reduce((most, v) => Math.max(most, v), 1e-9)));
+  return { kind: "tracks", height: PANEL, panel: name, title, channels, high };
+}
+
+// By the place of the panel and of the curve in it.
+function trackColour(look, row, k) { return ["#2f8f9d", "#8a5bd6", "#c9772b", "#b8405e"][(TRACK_TINTS[row.panel] || 0) + k]; }
+const TRACK_TINTS = { removal: 0, engagement: 1, chip: 2, force: 3, deflection: 1 };
 
 const figure = (v) => Number(v.toPrecision(4)).toString();
 const spaced = (v) => Math.round(v).toString().replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
