@@ -95,8 +95,9 @@ def test_the_stock_at_any_time_is_what_an_exact_slot_leaves(shown):
         ball = 2.0 * sum_of_chords(far[1], 3.0, 30.0) + sum(
             sum_of_chords(far[1], math.sqrt(max(9.0 - h**2, 0.0)), 30.0) * 0.05 for h in np.arange(0.025, 3.0, 0.05)
         )
+        # edges are bevelled by half a cell of 0.75 mm
         left = 1e9 * volume(stages.surface(k)[0])
-        assert left == pytest.approx(30.0 * 26.0 * 10.0 - flat - ball, abs=8.0)
+        assert left == pytest.approx(30.0 * 26.0 * 10.0 - flat - ball, abs=16.0)
 
 
 def sum_of_chords(far, radius, end):

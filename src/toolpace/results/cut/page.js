@@ -1,6 +1,6 @@
-"use strict";
 // Draws a cut from the data in the page.
 (() => {
+  watchTheme();
   const data = JSON.parse(document.getElementById("data").textContent);
   const soft = "#5b6778", line = "#e4e8ee";
   const colours = ["#c3ccd8", "#14a37f", "#e0b13c", "#7a9cf0"];

@@ -1,6 +1,6 @@
-"use strict";
 // Draws the speed of each plan over the way of its tip, and how much later than the first it is there.
 (() => {
+  watchTheme();
   const plans = JSON.parse(document.getElementById("data").textContent);
   const soft = "#5b6778", line = "#e4e8ee";
   const font = { family: getComputedStyle(document.body).fontFamily, size: 12, color: soft };

@@ -1,6 +1,6 @@
-"use strict";
 // Draws a followed run from the data in the page, and plays it.
 (() => {
+  watchTheme();
   const data = JSON.parse(document.getElementById("data").textContent);
   const ink = "#17202e", soft = "#5b6778", line = "#e4e8ee";
   const strong = ["#14a37f", "#d0455b", "#7a5bd0", "#c98a1b"];

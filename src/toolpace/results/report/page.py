@@ -40,8 +40,10 @@ if TYPE_CHECKING:
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
-SCRIPTS = ("arrays", "motion", "timeline", "way", "stock", "workpiece", "scene", "program", "player", "page")
-PLAYER = tuple(f"player/{name}.js" for name in SCRIPTS)
+PLAYER = (
+    "arrays", "motion", "playback", "tracks", "timeline", "way", "stock", "workpiece", "scene", "program", "player",
+    "transport",
+)  # fmt: skip
 """Scripts of the page, in the order in which they stand on each other."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.results.report.charts import Channel, Curves, binding, deviations, extremes, limit_names
 from toolpace.results.report.key_figures import PlanFigures
-from toolpace.results.report.keyframes import TICK, keyframes
+from toolpace.results.report.keyframes import MOST, TICK, keyframes
 from toolpace.results.report.machine_view import machine_view
 from toolpace.results.report.packed_arrays import PackedArrays
 from toolpace.results.report.passages import passages
@@ -46,19 +47,39 @@ def player_data(
     program: bytes | None,
     workpiece: WorkpieceView | None = None,
 ) -> str:
-    """All that the script shows, as JSON that cannot end the element it stands in."""
-    machine, joints = trajectory.axis_path.machine, setpoints.joints
+    """All that the script of the report shows, as JSON that cannot end the element it stands in."""
     shown, arrays = curves.extremes(), PackedArrays()
     if figures is not None:
         shown += deviations(trajectory, setpoints, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+    data = motion_data(trajectory, setpoints, toolpath, shown, program, arrays)
+    return page_json(data if workpiece is None else data | workpiece_data(workpiece, arrays), arrays)
+
+
+def page_json(data: dict[str, object], arrays: PackedArrays) -> str:
+    """Data and the arrays that it names, as JSON that cannot end the element it stands in."""
+    whole = {**data, "arrays": arrays.text}
+    return json.dumps(whole, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def motion_data(
+    trajectory: Trajectory,
+    setpoints: SetPointSource,
+    toolpath: ToolPath | None,
+    channels: Sequence[Channel],
+    program: bytes | None,
+    arrays: PackedArrays,
+    most: int = MOST,
+) -> dict[str, object]:
+    """What player/player.js takes of one motion, its arrays put into `arrays`; `most` keyframes at the most."""
+    machine, joints = trajectory.axis_path.machine, setpoints.joints
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     passed = passages(trajectory, setpoints, toolpath)
     text = program_text(program)
-    data: dict[str, object] = {
+    return {
         "duration": float(trajectory.duration),
         "joints": [{"name": name, "colour": joint_colour(j)} for j, name in enumerate(joints)],
-        "channels": [_channel(channel, arrays) for channel in shown],
+        "channels": [_channel(channel, arrays) for channel in channels],
         "limits": [limit_words(name) for name in limit_names(joints)],
         "colours": list(colours(joints).values()),
         "strip": arrays.add(binding(trajectory, strip_times)),
@@ -74,18 +95,15 @@ def player_data(
             for each in (toolpath.operations if toolpath is not None else ())
         ],
         "program": None if text is None else arrays.add_bytes(text),
-        **_motion(trajectory, machine, arrays),
-        **(_workpiece(workpiece, arrays) if workpiece is not None else {}),
+        **_motion(trajectory, machine, arrays, most),
     }
-    data["arrays"] = arrays.text
-    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArrays) -> dict[str, object]:
+def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArrays, most: int) -> dict[str, object]:
     """Keyframes of the joints, and the chain that they move; none without a machine."""
     if machine is None:
         return {"keyframes": None, "machine": None}
-    frames = keyframes(trajectory)
+    frames = keyframes(trajectory, most)
     lengths = np.asarray(trajectory.axis_path.tool_lengths, dtype=np.float64)
     lengths = np.where(np.isnan(lengths), machine.tool_length, lengths)
     changes = np.flatnonzero(np.diff(lengths, prepend=np.nan) != 0.0)
@@ -115,7 +133,7 @@ def _channel(channel: Channel, arrays: PackedArrays) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _workpiece(view: WorkpieceView, arrays: PackedArrays) -> dict[str, object]:
+def workpiece_data(view: WorkpieceView, arrays: PackedArrays) -> dict[str, object]:
     """Stock, finished part and fixtures in mm, the tools of the operations, and the tracks of the cut."""
     found: dict[str, object] = {
         "workpiece": {
@@ -146,6 +164,7 @@ def _stages(stages: StockStages, arrays: PackedArrays) -> dict[str, object]:
         "points": stages.points.tolist(),
         "shares": SHARES,
         "stages": stages.stages,
+        "square": stages.square,
         "counts": np.bincount(stages.axis, minlength=3).tolist(),
         **{name: arrays.add(column) for name, column in columns.items()},
     }

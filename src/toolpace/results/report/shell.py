@@ -19,6 +19,12 @@ from toolpace.common import __version__
 
 _INLINE = re.compile(r"<(script|style)((?: [^>]*)?)>(.*?)</\1>", re.DOTALL)
 _HEAD = '<meta charset="utf-8">'
+THEME_BUTTON = (
+    '<button type="button" class="plain" data-do="theme" title="Dark or light" aria-label="Dark or light">'
+    '<svg viewBox="0 0 16 16" aria-hidden="true"><path d="M8 1a7 7 0 1 0 0 14A7 7 0 0 0 8 1zm0 2v10A5 5 0 0 1 8 3z"/>'
+    "</svg></button>"
+)
+"""Switches the colours of a page."""
 _EMPTY = ""
 """plotly makes an empty style sheet and puts its rules into it one by one."""
 _SHEET = re.compile(r'getElementById\("([0-9a-f]{64})"\)')
@@ -31,32 +37,45 @@ def whole_page(
 ) -> str:
     """The HTML text of a page whose parts lie in a package: body, script and styles.
 
-    room: the package; in it the body `name`.html, with `fields` (HTML) to fill in beside title and version, the script
-    `name`.js, and `name`.css if it has styles of its own.
+    room: the package; in it the body `name`.html, with `fields` (HTML) to fill in beside title, version, the button of
+    dark and light (`theme`) and those of playing (`transport`), the script `name`.js, and `name`.css if it has styles
+    of its own.
     data: JSON that the script draws; None where it draws nothing.
-    scripts: files in the package that make up the script, which draws with three.js; none: `name`.js, with plotly.
+    scripts: names of files in report/player/ that the script stands on, in order: then it draws without plotly, and
+    with three.js where `scene` is among them.
     """
-    here = files(room)
-    own = here.joinpath(f"{name}.css")
-    body = Template(here.joinpath(f"{name}.html").read_text(encoding="utf-8"))
+    here, parts = files(room), files("toolpace.results.report").joinpath("player")
+    body = Template(_text(here.joinpath(f"{name}.html")))
+    style = "".join(
+        _text(file)
+        for file in ([parts.joinpath("player.css")] if scripts else []) + [here.joinpath(f"{name}.css")]
+        if file.is_file()
+    )
     return framed(
         title,
-        body.substitute(fields, title=escape(title), version=escape(__version__)),
-        own.read_text(encoding="utf-8") if own.is_file() else "",
-        _joined(here, scripts) if scripts else here.joinpath(f"{name}.js").read_text(encoding="utf-8"),
+        body.substitute(
+            fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON,
+            transport=_text(parts.joinpath("transport.html")),
+        ),  # fmt: skip
+        style,
+        _joined([*(parts.joinpath(f"{each}.js") for each in ("theme", *scripts)), here.joinpath(f"{name}.js")]),
         data,
-        three_js() if scripts else None,
+        (three_js() if "scene" in scripts else "") if scripts else None,
     )
 
 
 def three_js() -> str:
     """The library of pages that show bodies, as tools/vendor.py built it."""
-    return files("toolpace.results.report").joinpath("vendor/three.min.js").read_text(encoding="utf-8")
+    return _text(files("toolpace.results.report").joinpath("vendor/three.min.js"))
 
 
-def _joined(folder: Traversable, names: Sequence[str]) -> str:
+def _text(file: Traversable) -> str:
+    return file.read_text(encoding="utf-8")
+
+
+def _joined(scripts: Sequence[Traversable]) -> str:
     """Files as one script, whose names nobody else sees."""
-    texts = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
+    texts = "\n".join(map(_text, scripts))
     return f'(() => {{\n"use strict";\n{texts}\n}})();'
 
 
@@ -65,17 +84,19 @@ def framed(
 ) -> str:
     """Any body (HTML) as a page, with the styles of all pages and those of its own, and its policy.
 
+    script: of its own; without one the button of dark and light works all the same.
     library: what the script of data stands on; None: plotly.
     """
     here = files("toolpace.results.report")
-    scripts = [script] if script else []
+    theme = f'(() => {{\n"use strict";\n{_text(here.joinpath("player/theme.js"))}\nwatchTheme();\n}})();'
+    scripts = [script or theme]
     drawn = ""
     if data is not None:
         drawn = f'<script id="data" type="application/json">{data}</script>\n'
-        scripts.insert(0, _plotly() if library is None else library)
-    page = Template(here.joinpath("shell.html").read_text(encoding="utf-8")).substitute(
+        scripts = [*filter(None, [_plotly() if library is None else library]), *scripts]
+    page = Template(_text(here.joinpath("shell.html"))).substitute(
         title=escape(title),
-        css=here.joinpath("shell.css").read_text(encoding="utf-8") + style,
+        css=_text(here.joinpath("shell.css")) + style,
         body=body,
         scripts=drawn + "\n".join(f"<script>\n{each}\n</script>" for each in scripts),
     )

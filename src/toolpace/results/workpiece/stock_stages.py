@@ -32,8 +32,10 @@ SHARES = 63
 SHORTEST, MOST = 0.02, 1000
 """Least length of a stage [s], and most stages."""
 FLAT = 1.5 / SHARES
-"""Crossings of one direction in a cube are on a face across it where they differ by less, in cells: both faces at an
-edge of the stock are then met exactly."""
+"""Of a stock whose faces are along the lattice, crossings of one direction in a cube are on one face where they differ
+by less, in cells: edges are then met exactly. Where it was cut, crossings do not tell an edge from a round wall."""
+RIGHT = 1e-9
+"""How far the normal of a face may be off an axis."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ class StockStages:
     """(n,) stage from which it is there."""
     end: Ints
     """(n,) stage from which it no longer is."""
+    square: bool = False
+    """Whether all faces of the stock were along the lattice before it was cut."""
 
     def stage_at(self, t: float) -> int:
         """The last stage that is complete at a time [s]."""
@@ -83,23 +87,23 @@ class StockStages:
                 cubes[rows, corner, d] -= 1
         names = np.ravel_multi_index(tuple(np.moveaxis(cubes, 2, 0)), tuple(self.points))
         quads = np.where(self.leaves[there, None], names, names[:, ::-1])
-        vertex, order = _vertices(names, where, axis)
+        vertex, order = _vertices(names, where, axis, (self.first[there] > 0) | (not self.square))
         square = self.origin + self.step * vertex[np.searchsorted(order, quads)]
         cut = np.tile(self.first[there] > 0, 2)
         return np.concatenate([square[:, [0, 1, 2]], square[:, [0, 2, 3]]]), cut
 
 
-def _vertices(names: Ints, where: Floats, axis: Ints) -> tuple[Floats, Ints]:
+def _vertices(names: Ints, where: Floats, axis: Ints, free: Bools) -> tuple[Floats, Ints]:
     """Of each cube that crossings (n, 3) touch, by `names` (n, 4), its vertex; and the names of these cubes.
 
-    The middle of its crossings; on the edge of two faces along the lattice where both faces meet.
+    The middle of its crossings; at an edge of faces along the lattice, without any `free` crossing, where they meet.
     """
     order, which = np.unique(names.ravel(), return_inverse=True)
     count = len(order)
     spots, along = np.repeat(where, 4, axis=0), np.repeat(axis, 4)
     number = np.bincount(which, minlength=count)
     middle = np.stack([np.bincount(which, spots[:, d], count) for d in range(3)], axis=1) / number[:, None]
-    own, flat = np.full((count, 3), np.nan), np.ones(count, np.bool_)
+    own, flat = np.full((count, 3), np.nan), np.bincount(which, np.repeat(free, 4), count) == 0.0
     for d in range(3):
         mine = along == d
         low, high = np.full(count, np.inf), np.full(count, -np.inf)
@@ -152,6 +156,9 @@ class _Work:
         field = self.stock.field
         self.origin, self.step = field.origin - 0.5 * field.step, field.step
         self.points = field.cells + 2
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        largest, size = np.abs(normal).max(axis=1), np.linalg.norm(normal, axis=1)
+        self.square = bool((largest >= (1.0 - RIGHT) * size).all())
         self.inside = np.zeros(self.points, np.bool_)
         self.place = [np.full(self.points, -1, np.int8) for _ in range(3)]
         self.leaves = [np.zeros(self.points, np.bool_) for _ in range(3)]
@@ -233,5 +240,6 @@ class _Work:
         rows = np.concatenate(self.ended, axis=1)
         axis, edge, place, leaves, first, end = rows[:, np.lexsort((rows[4], rows[1], rows[0]))]
         return StockStages(
-            self.origin, self.step, self.points, duration, stages, axis, edge, place, leaves > 0, first, end
-        )
+            self.origin, self.step, self.points, duration, stages, axis, edge, place, leaves > 0, first, end,
+            self.square,
+        )  # fmt: skip

@@ -96,12 +96,8 @@ class Space {
       const { ends, broad, colours } = line.userData;
       ends.forEach((k, i) => {
         const middle = 0.5 * (this.times[k] + this.times[k - 1]);
-        if (name === "rapid") ink.set(RAPID);
-        else if (player.colouring === "limits") ink.set(player.limitColour(middle));
-        else {
-          const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
-          ink.set(speedColour(Math.min(speed / player.usual, 1)));
-        }
+        const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
+        ink.set(name === "rapid" ? RAPID : player.pathColour(middle, speed));
         colours.set([ink.r, ink.g, ink.b, ink.r, ink.g, ink.b], 6 * i);
       });
       if (broad) line.geometry.setColors(colours);

@@ -3,7 +3,7 @@ const FLAT = 1.5;  // shares of a cell by which crossings of one face may differ
 
 class Stock {
   constructor(data, arrays) {
-    Object.assign(this, { origin: data.origin, step: data.step, points: data.points, shares: data.shares, stages: data.stages });
+    Object.assign(this, { origin: data.origin, step: data.step, points: data.points, shares: data.shares, stages: data.stages, square: data.square });
     const [, ny, nz] = data.points, places = arrays.whole(data.place);
     this.edge = arrays.whole(data.edge);
     this.first = arrays.whole(data.first);
@@ -46,7 +46,7 @@ class Stock {
     }
     const corners = new Float32Array(3 * cubes.length);
     for (let k = 0; k < cubes.length; k++) {
-      let flat = true;
+      let flat = this.square && !cut[k];
       for (let d = 0; d < 3; d++) if (high[3 * k + d] - low[3 * k + d] > FLAT / this.shares) flat = false;
       for (let d = 0; d < 3; d++) {
         const own = flat && high[3 * k + d] >= low[3 * k + d];
