@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 MISSING = -(2**31)
-UNDRAWN = ("theme", "arrays", "motion", "playback", "tracks", "timeline", "program", "player")
+UNDRAWN = ("theme", "arrays", "motion", "playback", "tracks", "timeline", "stock", "program", "player")
 """Scripts of the report that calculate, and need no page for that."""
 STUBS = """
 const frames = [], look = { getPropertyValue: () => "", fontFamily: "" };

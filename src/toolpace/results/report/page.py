@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
-from toolpace.common.units import format_time
+from toolpace.common.units import format_length, format_time
 from toolpace.machine.limits import KINDS
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
@@ -35,12 +35,14 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.workpiece.view import WorkpieceView
 
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
 PLAYER = (
-    "arrays", "motion", "playback", "tracks", "timeline", "way", "scene", "program", "player", "transport",
+    "arrays", "motion", "playback", "tracks", "timeline", "way", "stock", "workpiece", "scene", "program", "player",
+    "transport",
 )  # fmt: skip
 """Scripts of the page, in the order in which they stand on each other."""
 
@@ -58,9 +60,10 @@ def report_page(
     figures: PlanFigures | None,
     curves: Curves | None = None,
     program_bytes: bytes | None = None,
+    workpiece: WorkpieceView | None = None,
 ) -> str:
-    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already, and
-    `program_bytes` what the file of the program holds, for those who read along."""
+    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already,
+    `program_bytes` what the file of the program holds, for those who read along, and `workpiece` what is cut."""
     machine = trajectory.axis_path.machine
     units = units_of(machine, setpoints.joints)
     curves = curves or Curves.of(setpoints, trajectory.limits, units, toolpath)
@@ -78,13 +81,14 @@ def report_page(
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
         "usage": _usage(trajectory, units),
+        "workpiece": _workpiece(workpiece),
         "operations": _operations(trajectory, toolpath),
         "checks": _checks(verification),
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
         "duration": f"{trajectory.duration:.6g}",
     }
-    data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes)
+    data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes, workpiece)
     return whole_page("toolpace.results.report", "page", title, fields, data, PLAYER)
 
 
@@ -141,6 +145,18 @@ def _open_places(trajectory: Trajectory) -> str:
         '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div></details>"
     )
+
+
+def _workpiece(view: WorkpieceView | None) -> str:
+    """Where the stock and the curves of the cut are from, or why they are not there."""
+    if view is None or (view.stages is None and not view.note):
+        return ""
+    if view.note:
+        text = f"The stock is not shown: {view.note}"
+    else:
+        text = f"Stock and curves of the cut: a simulation in cells of {format_length(round(view.resolution, 6))}"
+        text += ", of a guessed stock: the box around all cutting moves" if view.guessed else ""
+    return f'<p class="hint source">{escape(printable(text))}.</p>'
 
 
 def _usage(trajectory: Trajectory, units: list[str]) -> str:

@@ -23,6 +23,7 @@ class Space {
     this.samplePath();
     this.makePath();
     this.makeMachine();
+    this.workpiece = player.workpiece && new Workpiece(this, player.workpiece, player.arrays);
     this.mode = "part";
     this.frame();
     this.listen();
@@ -185,6 +186,8 @@ class Space {
     const w = product(machine.bodies(machine.workpiece, q).at(-1) || AT_REST, machine.frame);
     set(this.part, w);
     this.shapeTool(machine, length);
+    const shaped = !!this.workpiece && this.workpiece.pose(t, machine, length);
+    this.toolShape.visible = this.holder.visible = !shaped;
     const tip = machine.tool(q, length).tip;
     // the part, the bed, or the tip stands still
     const seen = new THREE.Matrix4();
@@ -207,6 +210,7 @@ class Space {
 
   show(layer, visible) {
     if (layer === "machine") for (const shape of this.shapes) shape.visible = visible;
+    else if (this.workpiece?.layers[layer]) this.workpiece.layers[layer].visible = visible;
     else this.lines[layer].visible = visible;
     this.draw();
   }
