@@ -31,8 +31,7 @@ async function start() {
     if (space) space.recolour();
     showKey(player, get("key"));
   });
-  window.toolpace = { seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(), 
-    state: () => ({ ...player.state(), stock: space?.workpiece?.stage ?? null }),
+  window.toolpace = { seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(), state: () => ({ ...player.state(), stock: space?.workpiece?.stage ?? null }),
     onScreen: (point) => space && space.onScreen(point) };
   showKey(player, get("key"));
   const tab = document.querySelector("[data-tab]:not([hidden])");

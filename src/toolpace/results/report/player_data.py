@@ -52,7 +52,9 @@ def player_data(
     if figures is not None:
         shown += deviations(trajectory, setpoints, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
     data = motion_data(trajectory, setpoints, toolpath, shown, program, arrays)
-    return page_json(data if workpiece is None else data | workpiece_data(workpiece, arrays), arrays)
+    if workpiece is not None:
+        data |= workpiece_data(workpiece, arrays)
+    return page_json(data, arrays)
 
 
 def page_json(data: dict[str, object], arrays: PackedArrays) -> str:

@@ -41,8 +41,8 @@ def whole_page(
     dark and light (`theme`) and those of playing (`transport`), the script `name`.js, and `name`.css if it has styles
     of its own.
     data: JSON that the script draws; None where it draws nothing.
-    scripts: names of files in report/player/ that the script stands on, in order: then it draws without plotly, and
-    with three.js where `scene` is among them.
+    scripts: names of files in report/player/ or in the package that the script stands on, in order: then it draws
+    without plotly, and with three.js where `scene` is among them.
     """
     here, parts = files(room), files("toolpace.results.report").joinpath("player")
     body = Template(_text(here.joinpath(f"{name}.html")))
@@ -56,9 +56,9 @@ def whole_page(
         body.substitute(
             fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON,
             transport=_text(parts.joinpath("transport.html")),
-        ),  # fmt: skip
+        ),
         style,
-        _joined([*(parts.joinpath(f"{each}.js") for each in ("theme", *scripts)), here.joinpath(f"{name}.js")]),
+        _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), here.joinpath(f"{name}.js")]),
         data,
         (three_js() if "scene" in scripts else "") if scripts else None,
     )
@@ -71,6 +71,11 @@ def three_js() -> str:
 
 def _text(file: Traversable) -> str:
     return file.read_text(encoding="utf-8")
+
+
+def _script(name: str, *folders: Traversable) -> Traversable:
+    """The file of that name in the first folder that has it."""
+    return next(file for folder in folders if (file := folder.joinpath(f"{name}.js")).is_file())
 
 
 def _joined(scripts: Sequence[Traversable]) -> str:

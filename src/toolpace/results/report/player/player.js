@@ -12,8 +12,8 @@ class Player extends Playback {
     this.passages = { t: arrays.numbers(data.passages.t).map((t) => Math.min(t, data.duration)), line: arrays.whole(data.passages.line),
       operation: arrays.whole(data.passages.operation), kind: arrays.whole(data.passages.kind) };
     this.text = data.program ? new TextDecoder().decode(arrays.bytes(data.program)).split("\n") : null;
-    this.arrays = arrays;
     this.workpiece = data.workpiece || null;
+    this.arrays = arrays;
     this.panels = data.panels || [];
     this.tracks = (data.tracks || []).map((c) => ({ ...c, values: arrays.numbers(c.data) }));
     this.states = data.states ? { names: data.states.names, values: arrays.whole(data.states.data) } : null;
@@ -62,8 +62,9 @@ class Player extends Playback {
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
   stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }
-  stateAt(t) { const { values } = this.states; return values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)]; }
-  stateName(k) { return this.states.names[k] || "at rest"; }
+  // What the tool does at a time: the number of a state, -1 at rest; and in words.
+  stateNumber(t) { const { values } = this.states; return values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)]; }
+  stateAt(t) { return this.states.names[this.stateNumber(t)] || "at rest"; }
   limitAt(t) { const k = this.stripAt(t); return k < 0 ? "no limit reached" : this.limits[k].name; }
   limitColour(t) { const k = this.stripAt(t); return k < 0 ? this.look.neutral : this.limits[k].colour; }
   // The colour of the path at a time at which the tip is so fast [mm/min].

@@ -1,8 +1,10 @@
 // The time line of a motion: operations, what limits, and curves over time.
 const PANELS = [["feed", "Speed of the tip, mm/min"], ["deviation", "Off the program, share of the tolerance: tip (dark), tool axis (light)"],
   ["velocity", "Velocity, share of the limit"], ["acceleration", "Acceleration, share of the limit"], ["jerk", "Jerk, share of the limit"]];
-const STATE_COLOURS = ["#9aa7b8", "#14a37f", "#e0b13c", "#7a9cf0"];  // in air, cutting, not sure, rapid
-const TRACK_COLOURS = ["#2f8f9d", "#8a5bd6", "#c9772b", "#b8405e"], TINTS = { engagement: 1, chip: 2, force: 3, deflection: 1 };
+
+const STATE_COLOURS = ["#c3ccd8", "#14a37f", "#e0b13c", "#7a9cf0"];  // in air, cutting, not sure, rapid
+const TRACK_COLOURS = ["#2f8f9d", "#8a5bd6", "#c9772b", "#b8405e"];
+const TRACK_TINTS = { removal: 0, engagement: 1, chip: 2, force: 3, deflection: 1 };  // the first colour of each panel
 
 class Timeline extends Tracks {
   constructor(player, element) {
@@ -24,29 +26,27 @@ class Timeline extends Tracks {
       out.push({ kind: "bars", height: BAR, title: "Operations", bars, tell: (t) => player.operationName(player.operationAt(t)) });
     }
     out.push({ kind: "strip", height: STRIP, title: "What limits", colour: (t) => player.limitColour(t), tell: (t) => player.limitAt(t) });
-    if (player.states) out.push(this.statesRow());
+    if (player.states) out.push(this.states(player));
     for (const [panel, title] of PANELS) {
       const channels = player.channels.filter((c) => c.panel === panel);
       if (channels.length) out.push({ kind: "curves", height: PANEL, title, ...this.scaled(panel), series: channels.map((c, k) => this.series(c, k)) });
-      if (panel === "feed") out.push(...player.panels.map((each) => this.trackRow(each)));
+      if (panel === "feed") out.push(...player.panels.map((each) => this.track(each)));
     }
     return out;
   }
 
-  // Whether the tool is in air or in material.
-  statesRow() {
-    const { player } = this, colour = (k) => STATE_COLOURS[k] || this.look.ground;
-    const there = [...new Set(player.states.values)].filter((k) => k >= 0).sort((a, b) => a - b);
-    return { kind: "strip", height: STRIP, title: "Air or material", colour: (t) => colour(player.stateAt(t)), tell: (t) => player.stateName(player.stateAt(t)),
-      named: true, series: there.map((k) => ({ name: player.stateName(k), colour: () => colour(k) })) };
+  // What the tool does, by colours.
+  states(player) {
+    const key = [...new Set(player.states.values)].filter((k) => k >= 0).sort((a, b) => a - b).map((k) => [player.states.names[k], STATE_COLOURS[k]]);
+    return { kind: "strip", height: STRIP, title: "Air or material", key, colour: (t) => STATE_COLOURS[player.stateNumber(t)] || this.look.ground, tell: (t) => player.stateAt(t) };
   }
 
-  // What the cut takes, in a unit of its own, from zero to its largest.
-  trackRow({ name, title }) {
-    const tracks = this.player.tracks.filter((c) => c.panel === name), first = TINTS[name] || 0;
-    const high = 1.08 * tracks.reduce((most, c) => c.values.reduce((a, b) => Math.max(a, b), most), 1e-9);
-    return { kind: "curves", height: PANEL, title, low: 0, high, marks: niceTicks(high, 3).map((v) => [v, figure(v)]), named: tracks.length > 1,
-      series: tracks.map((c, k) => ({ ...c, colour: () => TRACK_COLOURS[(first + k) % TRACK_COLOURS.length], area: tracks.length === 1, tell: (v) => `${figure(v)} ${c.unit}` })) };
+  // Curves of the cut in a unit of their own, from zero to their largest.
+  track({ name, title }) {
+    const channels = this.player.tracks.filter((c) => c.panel === name), tint = TRACK_TINTS[name] || 0;
+    const high = 1.08 * Math.max(...channels.map((c) => c.values.reduce((most, v) => Math.max(most, v), 1e-9)));
+    const series = channels.map((c, k) => ({ ...c, colour: () => TRACK_COLOURS[tint + k], area: channels.length === 1, tell: (v) => `${figure(v)} ${c.unit}` }));
+    return { kind: "curves", height: PANEL, title, low: 0, high, marks: niceTicks(high, 3).map((v) => [v, figure(v)]), series, named: channels.length > 1 };
   }
 
   // The range of a panel, its marks and the bounds in it.

@@ -118,13 +118,22 @@ class Tracks {
     });
   }
 
-  // A colour for each pixel: row.colour(place).
+  // A colour for each pixel, row.colour(place), and what the colours are in row.key of [name, colour].
   strip(ink, row, look) {
+    let x = LEFT + this.span;
+    ink.textAlign = "right";
+    for (const [name, colour] of [...(row.key || [])].reverse()) {
+      ink.fillStyle = look.soft;
+      ink.fillText(name, x, row.y - 6);
+      x -= ink.measureText(name).width + 15;
+      ink.fillStyle = colour;
+      ink.fillRect(x, row.y - 15, 10, 10);
+      x -= 10;
+    }
     for (let px = 0; px < this.span; px++) {
       ink.fillStyle = row.colour(this.place(LEFT + px + 0.5));
       ink.fillRect(LEFT + px, row.y, 1.2, row.height);
     }
-    if (row.named) this.names(ink, row, look);
   }
 
   // Curves between row.low and row.high, with marks [value, text] at the side and dashed bounds. Of each series:

@@ -13,8 +13,7 @@ function wireTransport(playback, timeline, space) {
     button.addEventListener("click", () => { press(all("camera"), button); if (space) space.look(button.dataset.camera); });
   }
   for (const button of all("layer")) {
-    // a layer that the page does not have
-    if (button.hidden && space?.workpiece?.layers[button.dataset.layer]) button.hidden = false;
+    button.hidden = button.hasAttribute("hidden") && !space?.workpiece?.layers[button.dataset.layer];
     button.addEventListener("click", () => {
       const on = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", String(on));
