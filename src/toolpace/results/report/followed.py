@@ -87,7 +87,7 @@ def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Ma
     worst = max(used, key=lambda kind: float(used[kind][2].max()))
     cards = [("Time", format_time(t[-1]), f"up to {format_time(setpoints[-1].path_time)} of the plan")]
     for name, error in errors.items():
-        size = 1e6 * np.nan_to_num(np.linalg.norm(error, axis=1), posinf=0.0)
+        size = 1e6 * _finite(np.linalg.norm(error, axis=1))
         begun = np.flatnonzero(size > 0.05 * size.max())
         settled = size[t >= t[begun[0] if len(begun) else 0] + SETTLED]
         rms = float(np.sqrt((settled**2).mean())) if len(settled) else 0.0
@@ -110,7 +110,7 @@ def _data(
     # the plane in which the path is widest
     across = np.linalg.svd(middle, full_matrices=False)[2][:2]
     extent = float(np.ptp(middle @ across.T, axis=0).max())
-    sizes = [np.nan_to_num(np.linalg.norm(error, axis=1), posinf=0.0) for error in errors.values()]
+    sizes = [_finite(np.linalg.norm(error, axis=1)) for error in errors.values()]
     largest = max((float(size.max()) for size in sizes), default=0.0)
     times = round_down(SEEN * extent / largest) if largest > 0.0 else 1.0
     data = {
@@ -119,9 +119,14 @@ def _data(
         "pace": _curve(np.array([each.pace for each in setpoints])),
         "used": {kind: [_curve(100.0 * row) for row in rows] for kind, rows in used.items()},
         "way": _plane(middle, across),
-        "off": {name: _plane(middle + times * np.nan_to_num(error[at], posinf=0.0, neginf=0.0), across) for name, error in errors.items()},
+        "off": {name: _plane(middle + times * _finite(error[at]), across) for name, error in errors.items()},
     }
     return json.dumps(data, allow_nan=False).replace("<", "\\u003c"), times
+
+
+def _finite(values: Floats) -> Floats:
+    """The same with 0 for what was not measured."""
+    return np.where(np.isfinite(values), values, 0.0)
 
 
 def _curve(values: Floats) -> list[float | None]:
