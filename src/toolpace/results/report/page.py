@@ -15,7 +15,7 @@ from toolpace.motion.trajectory import OperationTime, operation_times
 from toolpace.results.report.charts import Curves
 from toolpace.results.report.key_figures import PlanFigures, key_figures
 from toolpace.results.report.player_data import player_data
-from toolpace.results.report.shell import whole_page
+from toolpace.results.report.shell import motion_section, whole_page
 from toolpace.results.report.words import (
     BARS,
     LEAST_SHARE,
@@ -42,9 +42,9 @@ PLACES = 12
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
 PLAYER = (
     "arrays", "motion", "playback", "tracks", "timeline", "way", "stock", "workpiece", "scene", "program", "player",
-    "transport",
+    "transport", "motion_page",
 )  # fmt: skip
-"""Scripts of the page, in the order in which they stand on each other."""
+"""Scripts of pages that play one motion, in the order in which they stand on each other."""
 
 
 def units_of(machine: Machine | None, joints: Sequence[str]) -> list[str]:
@@ -81,12 +81,11 @@ def report_page(
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
         "usage": _usage(trajectory, units),
-        "workpiece": _workpiece(workpiece),
+        "motion": motion_section(trajectory.duration, workpiece_note(workpiece)),
         "operations": _operations(trajectory, toolpath),
         "checks": _checks(verification),
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
-        "duration": f"{trajectory.duration:.6g}",
     }
     data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes, workpiece)
     return whole_page("toolpace.results.report", "page", title, fields, data, PLAYER)
@@ -147,7 +146,7 @@ def _open_places(trajectory: Trajectory) -> str:
     )
 
 
-def _workpiece(view: WorkpieceView | None) -> str:
+def workpiece_note(view: WorkpieceView | None) -> str:
     """Where the stock and the curves of the cut are from, or why they are not there."""
     if view is None or (view.stages is None and not view.note):
         return ""

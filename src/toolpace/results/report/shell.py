@@ -44,8 +44,8 @@ def whole_page(
     """The HTML text of a page whose parts lie in a package: body, script and styles.
 
     room: the package; in it the body `name`.html, with `fields` (HTML) to fill in beside title, version, the button of
-    dark and light (`theme`) and those of playing (`transport`), the script `name`.js, and `name`.css if it has styles
-    of its own.
+    dark and light (`theme`) and those of playing (`transport`), and `name`.js and `name`.css if it has a script and
+    styles of its own.
     data: JSON that the script draws; None where it draws nothing.
     scripts: names of files in report/player/ or in the package that the script stands on, in order: then it draws
     without plotly, and with three.js where `scene` is among them.
@@ -53,6 +53,7 @@ def whole_page(
     """
     here, parts = files(room), files("toolpace.results.report").joinpath("player")
     body = Template(_text(here.joinpath(f"{name}.html")))
+    own = [file for file in (here.joinpath(f"{name}.js"),) if file.is_file()]
     style = "".join(
         _text(file)
         for file in ([parts.joinpath("player.css")] if scripts else []) + [here.joinpath(f"{name}.css")]
@@ -61,15 +62,26 @@ def whole_page(
     return framed(
         title,
         body.substitute(
-            fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON,
-            transport=_text(parts.joinpath("transport.html")),
+            fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON, transport=transport()
         ),
         style,
-        _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), here.joinpath(f"{name}.js")]),
+        _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), *own]),
         data,
         (three_js() if "scene" in scripts else "") if scripts else None,
         live,
     )
+
+
+def transport() -> str:
+    """The buttons of playing (HTML)."""
+    return _text(files("toolpace.results.report").joinpath("player/transport.html"))
+
+
+def motion_section(duration: float, below: str = "") -> str:
+    """The player of a motion (HTML) of so many seconds: its view, the program and lists, the time line, and what stands
+    `below` that (HTML)."""
+    section = Template(_text(files("toolpace.results.report").joinpath("player/motion.html")))
+    return section.substitute(transport=transport(), duration=f"{duration:.6g}", below=below)
 
 
 def three_js() -> str:

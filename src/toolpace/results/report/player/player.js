@@ -17,6 +17,7 @@ class Player extends Playback {
     this.panels = data.panels || [];
     this.tracks = (data.tracks || []).map((c) => ({ ...c, values: arrays.numbers(c.data) }));
     this.states = data.states ? { names: data.states.names, values: arrays.whole(data.states.data) } : null;
+    this.findings = data.findings || [];
     this.colouring = "speed";
     this.account();
     this.readLook();

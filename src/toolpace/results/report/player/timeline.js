@@ -27,6 +27,7 @@ class Timeline extends Tracks {
     }
     out.push({ kind: "strip", height: STRIP, title: "What limits", colour: (t) => player.limitColour(t), tell: (t) => player.limitAt(t) });
     if (player.states) out.push(this.states(player));
+    if (player.findings.length) out.push(this.collisions(player));
     for (const [panel, title] of PANELS) {
       const channels = player.channels.filter((c) => c.panel === panel);
       if (channels.length) out.push({ kind: "curves", height: PANEL, title, ...this.scaled(panel), series: channels.map((c, k) => this.series(c, k)) });
@@ -39,6 +40,13 @@ class Timeline extends Tracks {
   states(player) {
     const key = [...new Set(player.states.values)].filter((k) => k >= 0).sort((a, b) => a - b).map((k) => [player.states.names[k], STATE_COLOURS[k]]);
     return { kind: "strip", height: STRIP, title: "Air or material", key, colour: (t) => STATE_COLOURS[player.stateNumber(t)] || this.look.ground, tell: (t) => player.stateAt(t) };
+  }
+
+  // Where the tool meets what it must not: three pixels wide at least.
+  collisions({ findings }) {
+    const near = (t) => findings.filter((each) => Math.abs(each.t - t) <= 0.5 * each.duration + (1.5 * (this.to - this.from)) / this.span);
+    return { kind: "strip", height: STRIP, title: "Collisions", colour: (t) => (near(t).length ? this.look.bad : this.look.ground),
+      tell: (t) => near(t).map((each) => each.text).join("\n") || "none" };
   }
 
   // Curves of the cut in a unit of their own, from zero to their largest.

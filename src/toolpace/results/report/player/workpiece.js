@@ -1,6 +1,6 @@
 // What is machined, in the view: the stock as it is cut, the finished part, fixtures, and the tools as they are.
 const RAW = [0.42, 0.47, 0.54], MACHINED = [0.78, 0.82, 0.87];
-const PART_COLOUR = 0x36c08a, FIXTURE_COLOUR = 0x8a6a4f, TOOL_COLOURS = [0xe0ab45, 0xb9c2cf, 0x77849a];
+const PART_COLOUR = 0x36c08a, FIXTURE_COLOUR = 0x8a6a4f, COLLISION_COLOUR = 0xe5484d, TOOL_COLOURS = [0xe0ab45, 0xb9c2cf, 0x77849a];
 const AROUND = 40;  // facets of a tool
 
 class Workpiece {
@@ -15,6 +15,7 @@ class Workpiece {
       this.layers.fixtures = space.fixed(space.part);
       for (const each of data.fixtures) this.layers.fixtures.add(this.body(mesh(arrays.numbers(each)), { color: FIXTURE_COLOUR }));
     }
+    if (space.player.findings.length) this.layers.collisions = this.markers(space.player.findings);
     this.tools = data.tools.map((solids) => (solids ? this.tool(solids) : null));
   }
 
@@ -29,6 +30,18 @@ class Workpiece {
     const shown = this.body(geometry, look);
     this.space.part.add(shown);
     return shown;
+  }
+
+  // Pins whose points are where the tool meets what it must not.
+  markers(findings) {
+    const group = this.space.fixed(this.space.part), size = 0.03 * this.space.size;
+    for (const { place } of findings) {
+      const pin = new THREE.Mesh(new THREE.CylinderGeometry(0.3 * size, 0, size, 16), new THREE.MeshLambertMaterial({ color: COLLISION_COLOUR }));
+      pin.matrixAutoUpdate = false;
+      pin.matrix.copy(along(new THREE.Vector3(0, 0, 1), new THREE.Vector3(place[0], place[1], place[2] + 0.5 * size)));
+      group.add(pin);
+    }
+    return group;
   }
 
   tool(solids) {

@@ -1,4 +1,4 @@
-// Ties the parts of the report together, with window.toolpace for those who embed it.
+// Ties the parts of a page that plays one motion together, with window.toolpace for those who embed it.
 async function start() {
   const data = JSON.parse(document.getElementById("data").textContent);
   const player = new Player(data, await Arrays.of(data.arrays));
@@ -24,6 +24,9 @@ async function start() {
     if (space) joints(player, t);
   });
 
+  for (const button of document.querySelectorAll("[data-seek]")) {
+    button.addEventListener("click", () => { player.seek(button.dataset.seek); document.querySelector(".player").scrollIntoView({ block: "start" }); });
+  }
   wireTransport(player, timeline, space);
   watchTheme(() => {
     player.readLook();
