@@ -23,7 +23,7 @@ class Serving:
     address: str
     """What to open in a browser: it has the key."""
     until_signal: Callable[[], None]
-    """Answers requests until Ctrl-C or another signal, which it raises."""
+    """Answers requests until Ctrl-C or another signal, which it then raises as KeyboardInterrupt."""
 
 
 @contextmanager
@@ -43,12 +43,14 @@ def serving(folder: str | Path, port: int = 0) -> Iterator[Serving]:
     server.refuse_without_extra()
     root = Path(folder).expanduser().absolute()
     project = Project(root)
+    project.load()
     with batch_folder(project.plans), server.loopback(port) as listening:
         token = server.new_token()
         service = Service(project, WorkerProcess(root), WorkerProcess(root))
         try:
-            address = f"http://127.0.0.1:{listening.getsockname()[1]}/?token={token}"
-            yield Serving(root, address, lambda: server.serve(service, listening, token))
+            bound = listening.getsockname()[1]
+            http = server.http_server(service, bound, token)
+            yield Serving(root, f"http://127.0.0.1:{bound}/?token={token}", lambda: http.run(sockets=[listening]))
         finally:
             service.stop()
 

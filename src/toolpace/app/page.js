@@ -18,7 +18,7 @@ const OPTIONS = {
   lenient: () => "Read on where the meaning is certain", "skip-unknown": () => "Skip what is not read",
 };
 let state = null, chosen = decodeURIComponent(location.hash.slice(1)), comparison = null;
-const forms = {}, compared = new Set(), drawn = {};
+const forms = {}, drafts = {}, compared = new Set(), drawn = {};
 
 function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
@@ -33,13 +33,15 @@ function h(tag, attributes = {}, ...children) {
 const button = (text, onclick, kind = "plain", more = {}) => h("button", { type: "button", class: kind, onclick, ...more }, text);
 const seconds = (t) => t === null ? "" : t < 60 ? `${t.toPrecision(4)} s` : `${Math.floor(t / 60)} min ${(t % 60).toFixed(1)} s`;
 
-/* Replaces what is in a place where its data have changed; what has the focus has it again. */
+/* Replaces what is in a place where its data have changed; what has the focus, or is unfolded, stays so. */
 function put(place, key, data, make) {
   const text = JSON.stringify(data);
   if (drawn[key] === text && place.childNodes.length) return;
   drawn[key] = text;
   const focus = place.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
+  const open = new Set([...place.querySelectorAll("details[open]")].map((each) => each.dataset.fold));
   place.replaceChildren(...[make()].flat());
+  for (const each of place.querySelectorAll("details")) each.open ||= open.has(each.dataset.fold);
   if (focus) place.querySelector(`[data-focus="${CSS.escape(focus)}"]`)?.focus();
 }
 
@@ -96,6 +98,7 @@ async function upload(files) {
   // Programs first: the others belong to one.
   const later = /\.(toml|stl|3mf|obj)$/i;
   for (const file of [...files].sort((a, b) => later.test(a.name) - later.test(b.name))) {
+    if (state && file.size > state.largest) { told.push(`${file.name}: is too large; ${Math.floor(state.largest / 1e6)} MB at most are taken`); continue; }
     const beside = later.test(file.name) && chosen ? `&part=${encodeURIComponent(chosen)}` : "";
     try {
       const found = await call("POST", `/api/files?name=${encodeURIComponent(file.name)}${beside}`, file);
@@ -153,6 +156,7 @@ function form(part) {
 function facts(rows) {
   return h("dl", { class: "facts" }, rows.filter((row) => row).flatMap(([name, value, kind]) => [h("dt", {}, name), h("dd", { class: kind || "" }, value)]));
 }
+const fold = (name, open, ...children) => h("details", { "data-fold": name, open }, ...children);
 const list = (items) => h("ul", {}, items.map((item) => h("li", {}, item)));
 const some = (items, count = 12) => items.length > count ? `${items.slice(0, count).join(", ")}, and ${items.length - count} more` : items.join(", ");
 
@@ -178,9 +182,9 @@ function programPanel(part) {
       onclick: () => { form(part).machine = name; delete drawn.plan; show(); } }, name))) : "none of the machines that were tried", found.machines.length ? "" : "bad"],
   ];
   const folded = [
-    found.assumed.length ? h("details", {}, h("summary", {}, `${found.assumed.length} assumed`), list(found.assumed)) : null,
-    Object.keys(found.ignored).length ? h("details", {}, h("summary", {}, "words that move nothing"), some(Object.entries(found.ignored).map(([name, count]) => `${name} ${count}`), 40)) : null,
-    Object.keys(found.not_on).length ? h("details", { open: !found.machines.length && !found.refused.length }, h("summary", {}, `${Object.keys(found.not_on).length} machines cannot run it`),
+    found.assumed.length ? fold("assumed", false, h("summary", {}, `${found.assumed.length} assumed`), list(found.assumed)) : null,
+    Object.keys(found.ignored).length ? fold("ignored", false, h("summary", {}, "words that move nothing"), some(Object.entries(found.ignored).map(([name, count]) => `${name} ${count}`), 40)) : null,
+    Object.keys(found.not_on).length ? fold("not on", !found.machines.length && !found.refused.length, h("summary", {}, `${Object.keys(found.not_on).length} machines cannot run it`),
       list(Object.entries(found.not_on).map(([name, why]) => text([h("b", {}, name), `: ${why}`])))) : null,
   ];
   return [head, facts(rows), cures(part), applied(part), ...folded.filter((each) => each), readingForm(part)].filter((each) => each);
@@ -214,9 +218,9 @@ function cureBy(part, cure) {
   } else if (cure.value) {
     read(part, { [name]: cure.value });
   } else {
-    const fold = $("program").querySelector(".reading");
-    fold.open = true;
-    fold.querySelector(`[name=${name}]`).focus();
+    const folded = $("program").querySelector("[data-fold=reading]");
+    folded.open = true;
+    folded.querySelector(`[name=${name}]`).focus();
   }
 }
 const read = (part, change) => go("PUT", `/api/parts/${part.id}/reading`, JSON.stringify({ ...part.reading, ...change }));
@@ -230,8 +234,8 @@ function applied(part) {
       `--${name.replace("_", "-")}${value === true ? "" : ` ${value}`} ×`)));
 }
 
-function field(name, label, values, change, more = {}) {
-  return h("label", {}, label, h("input", { type: "text", name, value: values[name] ?? "", spellcheck: "false", autocomplete: "off", maxlength: "200", "data-focus": name, onchange: (event) => change(event.target.value.trim()), ...more }));
+function field(name, label, values, change, more = {}, when = "onchange") {
+  return h("label", {}, label, h("input", { type: "text", name, value: values[name] ?? "", spellcheck: "false", autocomplete: "off", maxlength: "200", "data-focus": name, [when]: (event) => change(event.target.value.trim()), ...more }));
 }
 function select(name, label, choices, value, change) {
   const made = h("select", { name, "data-focus": name, onchange: (event) => change(event.target.value) }, choices.map(([key, words]) => h("option", { value: key }, words)));
@@ -242,7 +246,7 @@ const check = (name, label, value, change) => h("label", { class: "check" }, h("
 
 function readingForm(part) {
   const reading = part.reading, set = (name) => (value) => read(part, { [name]: value });
-  return h("details", { class: "reading" }, h("summary", {}, "how it is read"), h("div", { class: "form" },
+  return fold("reading", false, h("summary", {}, "how it is read"), h("div", { class: "form" },
     select("controller", "control", [["", "as recognised"], ...state.controllers.map((name) => [name, name])], reading.controller, set("controller")),
     select("dialect", "format", [["", "as recognised"], ["gcode", "G-code"], ["apt", "APT, CLSF"], ["csv", "table of points"]], reading.dialect, set("dialect")),
     field("columns", "columns of a table: x,y,z,i,j,k", reading, set("columns")), field("units", "unit of a table: mm, m, in", reading, set("units")),
@@ -254,15 +258,23 @@ function readingForm(part) {
 
 function sheetPanel(part) {
   const place = h("div", {});
+  const edit = (text) => {
+    drafts[part.id] = text;
+    const area = h("textarea", { spellcheck: "false", "aria-label": "Set-up sheet", "data-focus": "sheet", oninput: () => { drafts[part.id] = area.value; } });
+    const close = () => { delete drafts[part.id]; place.replaceChildren(); };
+    const keep = async () => { if (await go("PUT", `/api/parts/${part.id}/sheet`, area.value)) close(); };
+    area.value = text;
+    place.replaceChildren(area, h("div", { class: "row" }, button("Keep it", keep, "plain", { "data-focus": "keep" }), button("Close", close, "plain", { "data-focus": "close" })));
+    return area;
+  };
   const open = async () => {
     const found = part.sheet ? await go("GET", `/api/parts/${part.id}/sheet`) : { text: "" };
     if (!found) return;
-    const area = h("textarea", { spellcheck: "false", "aria-label": "Set-up sheet", "data-focus": "sheet" });
-    area.value = found.text;
-    place.replaceChildren(area, h("div", { class: "row" }, button("Keep it", () => go("PUT", `/api/parts/${part.id}/sheet`, area.value), "plain", { "data-focus": "keep" }),
-      button("Close", () => place.replaceChildren())));
+    const area = edit(found.text);
+    area.setSelectionRange(0, 0);
     area.focus();
   };
+  if (part.id in drafts) edit(drafts[part.id]);
   const buttons = [
     button(part.writing_sheet ? "It is being written" : "Write one to fill in", () => go("POST", `/api/parts/${part.id}/sheet`), "plain", { disabled: part.writing_sheet, "data-focus": "write" }),
     button(part.sheet ? "Show and change it" : "Type one", open, "plain", { "data-focus": "open" }),
@@ -277,6 +289,7 @@ function planPanel(part) {
   const values = form(part), fit = part.inspection && part.inspection.machines || [];
   const set = (name) => (value) => { values[name] = value; if (name === "feeds" || name === "machine") { delete drawn.plan; delete drawn.program; show(); } };
   const machines = [...(values.machine ? [] : [["", "choose a machine"]]), ...state.machines.map((name) => [name, fit.includes(name) ? name : `${name} (cannot run it)`])];
+  const typed = (name, label, more) => field(name, label, values, set(name), more, "oninput");
   const start = async (event) => {
     event.preventDefault();
     const request = { machine: values.machine, tip_tolerance: values.tip_tolerance, axis_tolerance: values.axis_tolerance, effort: values.effort, tool_length: values.tool_length,
@@ -285,12 +298,12 @@ function planPanel(part) {
   };
   return h("form", { onsubmit: start }, h("h2", {}, "Plan"), h("div", { class: "form" },
     select("machine", "machine", machines, values.machine, set("machine")),
-    field("tip_tolerance", "tolerance of the tip", values, set("tip_tolerance")),
-    field("axis_tolerance", "tolerance of the tool axis", values, set("axis_tolerance")),
+    typed("tip_tolerance", "tolerance of the tip"),
+    typed("axis_tolerance", "tolerance of the tool axis"),
     select("feeds", "feeds", FEEDS, values.feeds, set("feeds")),
-    values.feeds === "own" ? field("own", "feed (3000mm/min) or factor (120%)", values, set("own")) : "",
+    values.feeds === "own" ? typed("own", "feed (3000mm/min) or factor (120%)") : "",
     select("effort", "effort", EFFORTS, values.effort, set("effort")),
-    field("tool_length", "length of the tool, where no sheet tells it", values, set("tool_length"), { placeholder: "the machine's" })),
+    typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" })),
   h("button", { type: "submit", class: "plain main", "data-focus": "start" }, "Start"));
 }
 
@@ -300,50 +313,52 @@ function showJobs(part) {
   const jobs = state.jobs.filter((job) => job.part === part.id).reverse();
   $("jobs").hidden = !jobs.length;
   const first = [...jobs].reverse().find((job) => job.duration_s !== null);
+  for (const id of compared) if (!jobs.some((job) => job.id === id && job.report)) compared.delete(id);
   const data = [jobs.map(({ steps, began, ...job }) => job), [...compared], comparison];
-  put($("jobs"), "jobs", data, () => {
-    for (const id of compared) if (!jobs.some((job) => job.id === id && job.report)) compared.delete(id);
-    const rows = jobs.flatMap((job) => jobRows(part, job, first));
-    const head = ["", "job", "machine", "tip", "feeds", "time", "against the first", "limited by", ""].map((name, k) => h("th", { class: k === 5 || k === 6 ? "n" : "" }, name));
-    return [h("div", { class: "head" }, h("h2", {}, "Plans"), h("div", { class: "row" },
+  put($("jobs"), "jobs", data, () => [
+    h("div", { class: "head" }, h("h2", {}, "Plans"), h("div", { class: "row" },
       comparison ? comparison.drawn ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/compare/${comparison.name}`, "data-focus": "compared" }, "Open the comparison") : h("span", { class: "quiet" }, "the comparison is being drawn") : "",
       button("Compare those that are ticked", compare, "plain", { disabled: compared.size < 2 || compared.size > 8, "data-focus": "compare" }))),
-    h("div", { class: "scroll" }, h("table", { class: "jobs" }, h("thead", {}, h("tr", {}, head)), h("tbody", {}, rows)))];
-  });
+    ...jobs.map((job) => jobPanel(part, job, first))]);
   for (const job of jobs) {
     const place = document.getElementById(`steps-${job.id}`);
     if (place) put(place, `steps-${job.id}`, job.steps, () => progress(job));
   }
 }
-function jobRows(part, job, first) {
+function jobPanel(part, job, first) {
   const request = job.request, ended = job.state === "ended" || job.state === "stopped";
-  const verdict = job.state === "running" ? h("div", { id: `steps-${job.id}` }) : job.state === "waiting" ? h("span", { class: "quiet" }, `waits, ${job.before} before it`)
-    : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : job.error ? h("span", { class: "bad" }, job.error) : "";
   const act = (words, method, path) => button(words, () => go(method, path), "plain", { "data-focus": `${words} ${job.id}` });
   const buttons = [
     job.report ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/report/${job.id}`, "data-focus": `look ${job.id}` }, "Look") : null,
-    job.program ? h("a", { class: "plain", href: `/program/${job.id}`, download: job.program, title: job.program, "data-focus": `load ${job.id}` }, "Load program") : null,
-    ended ? button("Change", () => {
-      const own = !FEEDS.some(([name]) => name === request.feeds);
-      forms[part.id] = { own: "3000mm/min", ...request, ...(own ? { feeds: "own", own: request.feeds } : {}) };
-      delete drawn.plan; delete drawn.program;
-      show();
-      $("plan").querySelector("[name=tip_tolerance]").focus();
-    }, "plain", { "data-focus": `change ${job.id}` }) : act("Stop", "POST", `/api/jobs/${job.id}/stop`),
+    job.program ? h("a", { class: "plain", href: `/program/${job.id}`, download: "", "data-focus": `load ${job.id}` }, "Load program") : null,
+    ended ? button("Change", () => change(part, request), "plain", { "data-focus": `change ${job.id}` }) : act("Stop", "POST", `/api/jobs/${job.id}/stop`),
     job.state === "stopped" || (ended && job.error) ? act("Again", "POST", `/api/jobs/${job.id}/again`) : null,
     ended ? act("Remove", "DELETE", `/api/jobs/${job.id}`) : null,
   ].filter((each) => each);
-  const tick = job.report ? h("input", { type: "checkbox", "aria-label": `compare job ${job.number}`, checked: compared.has(job.id), "data-focus": `tick ${job.id}`,
-    onchange: (event) => { event.target.checked ? compared.add(job.id) : compared.delete(job.id); comparison = null; show(); } }) : "";
-  const against = first && job.duration_s !== null && job.id !== first.id ? `${(100 * (job.duration_s / first.duration_s - 1)).toFixed(2)} %` : "";
-  const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, request.feeds])[1].split(" (")[0];
-  const result = job.duration_s === null ? verdict : [seconds(job.duration_s), " ", h("span", { class: job.verdict === "verified" ? "good" : "bad", title: job.gap ? `at most ${job.gap} above the best possible` : "" }, job.verdict)];
-  const over = h("tr", { class: "over" }, h("td", {}, tick), h("td", {}, String(job.number)), h("td", {}, request.machine), h("td", {}, request.tip_tolerance), h("td", {}, feeds),
-    job.duration_s === null ? h("td", { colspan: "3" }, result) : [h("td", { class: "n" }, result), h("td", { class: "n" }, against), h("td", {}, job.limits)], h("td", {}, h("div", { class: "row" }, buttons)));
-  const under = h("tr", { class: "under" }, h("td", {}), h("td", { colspan: "8" }, job.notes.length ? h("ul", { class: "notes" }, job.notes.map((note) => h("li", {}, note))) : "",
-    job.command ? h("details", { class: "notes" }, h("summary", {}, "as a command"), h("code", {}, job.command)) : ""));
-  return [over, under];
+  const tick = job.report ? h("label", { class: "tick" }, h("input", { type: "checkbox", "aria-label": `compare job ${job.number}`, checked: compared.has(job.id), "data-focus": `tick ${job.id}`,
+    onchange: (event) => { event.target.checked ? compared.add(job.id) : compared.delete(job.id); comparison = null; show(); } }), "compare") : "";
+  const against = first && job.duration_s !== null && job.id !== first.id ? `${signed(100 * (job.duration_s / first.duration_s - 1))} % against job ${first.number}` : "";
+  const outcome = job.duration_s !== null
+    ? [h("b", { class: "time" }, seconds(job.duration_s)), h("span", { class: job.verdict === "verified" ? "good" : "bad" }, job.verdict), h("span", { class: "quiet" }, against)]
+    : job.state === "running" ? h("div", { id: `steps-${job.id}`, class: "grow" })
+    : job.state === "waiting" ? h("span", { class: "quiet" }, `waits, ${job.before} before it`)
+    : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : h("span", { class: "bad grow" }, job.error);
+  const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, `feed ${request.feeds}`])[1].split(" (")[0];
+  const words = [`job ${job.number}`, request.machine, `tip ${request.tip_tolerance}`, `axis ${request.axis_tolerance}`, feeds, request.effort === "normal" ? "" : `effort ${request.effort}`,
+    request.tool_length ? `tool ${request.tool_length}` : "", job.gap ? `at most ${job.gap} above the best possible` : "", job.limits];
+  return h("article", { class: "job" }, h("div", { class: "row top" }, tick, outcome, h("div", { class: "row buttons" }, buttons)),
+    h("p", { class: "words" }, words.filter((word) => word).join(" · ")),
+    job.notes.length ? fold(`about ${job.id}`, false, h("summary", {}, "about the program to load"), list(job.notes)) : "",
+    job.command ? fold(`command ${job.id}`, false, h("summary", {}, "as a command"), h("code", {}, job.command)) : "");
 }
+function change(part, request) {
+  const own = !FEEDS.some(([name]) => name === request.feeds);
+  forms[part.id] = { own: "3000mm/min", ...request, ...(own ? { feeds: "own", own: request.feeds } : {}) };
+  delete drawn.plan; delete drawn.program;
+  show();
+  $("plan").querySelector("[name=tip_tolerance]").focus();
+}
+const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(2)}`;
 function progress(job) {
   const done = job.steps.filter((step) => step.seconds !== undefined && step.step), now = job.steps.find((step) => step.seconds === undefined);
   const share = now && now.share !== undefined ? now.share : null;

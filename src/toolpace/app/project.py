@@ -21,13 +21,17 @@ from typing import Any, Literal, TypeVar
 
 import msgspec
 
-from toolpace.common.errors import UsageError, printable
+from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.files import reason, whole_file
 from toolpace.jobs.batch import BatchJob, BatchRow
 from toolpace.machine.machine import Machine
+from toolpace.programs.reading.controllers.controller import Controller
 
 PARTS, JOBS, MACHINES, PLANS, COMPARISONS = "parts", "jobs", "machines", "plans", "comparisons"
 PART, JOB, FILES = "part.json", "job.json", "files"
+UPLOAD = ".upload-"
+"""How the name of a file begins that is being received."""
+ID = re.compile(r"[0-9a-f]{12}")
 SHEET = "setup.toml"
 """Name of a set-up sheet that is written in the page."""
 LONGEST_NAME = 200
@@ -148,16 +152,26 @@ class Project:
     """The parts and jobs of a folder, as they are on disk. One process writes it."""
 
     def __init__(self, root: Path) -> None:
-        """Read what is there. Raises UsageError where the folder cannot be made or read."""
+        """The folder; nothing is read before it is loaded."""
         self.root = root
+        self.parts: dict[str, Part] = {}
+        self.jobs: dict[str, AppJob] = {}
+
+    def load(self) -> None:
+        """Make what is missing, remove what a killed server left half done, and read the rest. Raises UsageError."""
         try:
             for name in (PARTS, JOBS, MACHINES, PLANS, COMPARISONS):
-                (root / name).mkdir(parents=True, exist_ok=True)
-            self.parts = {each.id: each for each in _records(root / PARTS, PART, Part)}
-            jobs = _records(root / JOBS, JOB, AppJob)
+                (self.root / name).mkdir(parents=True, exist_ok=True)
+            for left in self.root.glob(f"{UPLOAD}*"):
+                left.unlink(missing_ok=True)
+            for left in (self.root / PARTS).iterdir():
+                if ID.fullmatch(left.name) and not left.is_symlink() and not (left / PART).exists():
+                    shutil.rmtree(left, ignore_errors=True)
+            parts, jobs = _records(self.root / PARTS, PART, Part), _records(self.root / JOBS, JOB, AppJob)
         except OSError as error:
-            raise UsageError(f"{root}: {reason(error)}; give another --folder") from None
-        self.jobs = {each.id: each for each in sorted(jobs, key=lambda job: job.number)}
+            raise UsageError(f"{self.root}: {reason(error)}; give another --folder") from None
+        self.parts = {each.id: each for each in parts}
+        self.jobs = {each.id: each for each in sorted(jobs, key=lambda job: job.number) if each.part in self.parts}
 
     def files(self, part: str) -> Path:
         """The folder of the files of a part."""
@@ -225,6 +239,9 @@ class Project:
         """The job of a batch that a request comes to, to inspect the part where there is none; `program` stands in for
         the part's. Raises UsageError."""
         files = self.files(part.id)
+        if reading.controller and reading.controller not in Controller.names():
+            cure = did_you_mean(reading.controller, Controller.names())
+            raise UsageError(f"control '{printable(reading.controller[:40])}' is not known; {cure}")
         return BatchJob(
             program=program or files / part.program,
             dialect=reading.dialect or None,

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from toolpace.app.guard import Guard
-from toolpace.app.project import Reading, Request
+from toolpace.app.project import UPLOAD, Reading, Request, checked_name
 from toolpace.app.service import NotFoundError, Service
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import free_disk
 
 if TYPE_CHECKING:
+    import uvicorn
     from starlette.requests import Request as HttpRequest
     from starlette.responses import Response
     from starlette.types import ASGIApp
@@ -123,12 +124,12 @@ class _Handlers:
         return Response(text, media_type=ASSETS[name])
 
     async def state(self, request: HttpRequest) -> Response:
-        return await self._json(self.service.state)
+        return await self._json(lambda: {**self.service.state(), "largest": self.largest})
 
     async def upload(self, request: HttpRequest) -> Response:
-        name, part = request.query_params.get("name", ""), request.query_params.get("part", "")
+        name, part = checked_name(request.query_params.get("name", "")), request.query_params.get("part", "")
         folder = self.service.project.root
-        handle, temporary = tempfile.mkstemp(prefix=".upload-", suffix=Path(name).suffix[:20] or None, dir=folder)
+        handle, temporary = tempfile.mkstemp(prefix=UPLOAD, suffix=Path(name).suffix[:20], dir=folder)
         try:
             with os.fdopen(handle, "wb") as file:
                 await self._received(request, self.largest, file.write)
@@ -192,8 +193,8 @@ class _Handlers:
     async def program(self, request: HttpRequest) -> Response:
         from starlette.responses import FileResponse
 
-        path = self.service.program(request.path_params["job"])
-        return FileResponse(path, media_type="application/octet-stream", filename=path.name)
+        path, name = self.service.program(request.path_params["job"])
+        return FileResponse(path, media_type="application/octet-stream", filename=name)
 
     def _page_of_results(self, path: Path) -> Response:
         from starlette.responses import FileResponse
@@ -269,13 +270,12 @@ def new_token() -> str:
     return secrets.token_urlsafe(24)
 
 
-def serve(service: Service, listening: socket.socket, token: str) -> None:
-    """Answer until a signal ends it: KeyboardInterrupt is raised then."""
+def http_server(service: Service, port: int, token: str) -> uvicorn.Server:
+    """What answers requests of a service; `run(sockets=[...])` does so until a signal ends it, which it raises again."""
     import uvicorn
 
-    port = listening.getsockname()[1]
     config = uvicorn.Config(
         application(service, port, token), log_level="critical", access_log=False, lifespan="off", server_header=False,
         timeout_graceful_shutdown=2, ws="none",
     )  # fmt: skip
-    uvicorn.Server(config).run(sockets=[listening])
+    return uvicorn.Server(config)

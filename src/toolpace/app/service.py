@@ -32,6 +32,7 @@ from toolpace.common import __version__
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import write_text
 from toolpace.jobs.batch.folder import RESULTS
+from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
 from toolpace.results.report.words import at_most, limit_words, percent
 
@@ -74,20 +75,12 @@ class Service:
     def add_file(self, name: str, content: Path, part: str = "") -> str:
         """Take a file that was uploaded: a program makes a part, others go to one; the id of the part, or empty for a
         machine. Raises UsageError, NotFoundError, OSError."""
-        from toolpace.machine.machine import Machine
-
         name = checked_name(name)
         with content.open("rb") as file:
             role = role_of(name, file.read(LONGEST_TEXT) if name.lower().endswith(".toml") else b"", bool(part))
         with self._lock:
             if role == "machine":
-                try:
-                    Machine.load(content)
-                except ToolpaceError as error:
-                    raise UsageError(str(error).replace(printable(str(content)), name)) from None
-                content.replace(self.project.root / MACHINES / name)
-                for each in list(self.project.parts.values()):
-                    self._changed(each)
+                self._add_machine(name, content)
                 return ""
             if role != "program" and not part:
                 raise UsageError(f"{name}: belongs to a program; drop the program first, and this onto it")
@@ -103,6 +96,18 @@ class Service:
                 found = msgspec.structs.replace(found, beside=tuple(dict.fromkeys([*found.beside, name])))
             self._changed(found)
             return part
+
+    def _add_machine(self, name: str, content: Path) -> None:
+        """Take a machine file under the name that stands in it; all parts are inspected on it too."""
+        try:
+            machine = Machine.load(content).name
+        except ToolpaceError as error:
+            raise UsageError(str(error).replace(printable(str(content)), name)) from None
+        if machine in Machine.names():
+            raise UsageError(f"{name}: '{machine}' is the name of a built-in machine; write another into the file")
+        content.replace(self.project.root / MACHINES / f"{checked_name(machine)}.toml")
+        for each in list(self.project.parts.values()):
+            self._changed(each)
 
     def _new_part(self, name: str, content: Path) -> str:
         if len(self.project.parts) >= MOST_PARTS:
@@ -172,10 +177,10 @@ class Service:
         def ended(done: dict[str, Any] | None, error: str) -> None:
             with self._lock:
                 now_there = self.project.parts.get(part)
-                if now_there is None or now_there != asked:  # changed meanwhile: it is inspected again
+                if now_there != asked or (done is None and not error):  # changed meanwhile: it is inspected again
                     return
                 record = done if done is not None else {"error": error}
-                self.project.save_part(msgspec.structs.replace(now_there, inspection=record))
+                self.project.save_part(msgspec.structs.replace(asked, inspection=record))
 
         self._aside.cancel(key)
         self._aside.submit(key, InspectTask(part), ended)
@@ -243,20 +248,22 @@ class Service:
             raise NotFoundError("this job has no report")
         return self._own_file(self.project.root / PLANS / row.folder / RESULTS["plan"])
 
-    def program(self, job: str) -> Path:
-        """The program of a job that a control loads. Raises NotFoundError."""
+    def program(self, job: str) -> tuple[Path, str]:
+        """The program of a job that a control loads, and a name for it. Raises NotFoundError."""
         found = self._job(job)
         if not found.program:
             raise NotFoundError("this job has no program to load")
-        return self._own_file(self.project.root / found.program)
+        name = Path(self._part(found.part).program)
+        return self._own_file(self.project.root / found.program), f"{name.stem}-{found.number}{name.suffix}"
 
     def compare(self, jobs: Sequence[str]) -> str:
         """Have a page of two to eight plans drawn; its name, under which it will be there. Raises UsageError."""
-        rows = [self._job(each).row for each in dict.fromkeys(jobs)]
-        folders = [row.folder for row in rows if row is not None and row.folder]
-        if len(folders) != len(rows) or not 2 <= len(folders) <= 8:
-            raise UsageError("choose two to eight jobs that have a plan")
-        name = "-".join(dict.fromkeys(jobs))
+        found = [self._job(each) for each in dict.fromkeys(jobs)]
+        plans = {each.row.folder: each for each in found if each.row is not None and each.row.folder}
+        if len(plans) != len(found):
+            raise UsageError("choose jobs that have a plan, and none that asks for the same as another")
+        name = "-".join(each.id for each in found)
+        names = tuple(f"{each.number}: {each.request.tip_tolerance}, {each.request.feeds}" for each in plans.values())
         key = f"compare {name}"
         self._failed.pop(key, None)
 
@@ -265,7 +272,7 @@ class Service:
                 self._failed[key] = error
 
         (self.project.root / COMPARISONS / f"{name}.html").unlink(missing_ok=True)
-        self._aside.submit(key, CompareTask(tuple(folders), f"{name}.html"), ended)
+        self._aside.submit(key, CompareTask(tuple(plans), names, f"{name}.html"), ended)
         return name
 
     def comparison(self, name: str) -> Path | None:
@@ -298,7 +305,7 @@ class Service:
                     "before": order.index(job.id) if entry is not None else 0,
                     "began": entry.began if entry is not None else 0.0,
                     "steps": list(entry.steps) if entry is not None else [],
-                    "error": job.error, "notes": list(job.notes), "program": Path(job.program).name,
+                    "error": job.error, "notes": list(job.notes), "program": bool(job.program),
                     "command": command_of(self.project.parts[job.part], job) if job.part in self.project.parts else "",
                     **_row_record(job),
                 })  # fmt: skip

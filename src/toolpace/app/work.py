@@ -62,6 +62,7 @@ class CompareTask(msgspec.Struct, frozen=True, tag="compare"):
     """Draw the page of plans side by side."""
 
     folders: tuple[str, ...]
+    names: tuple[str, ...]
     page: str
 
 
@@ -260,5 +261,6 @@ def draw_comparison(project: Project, task: CompareTask) -> dict[str, Any]:
     from toolpace.results.compare import compared, comparison_page
 
     found = compared([project.plans / folder for folder in task.folders])
-    write_text(project.root / COMPARISONS / task.page, comparison_page(found))
+    page = comparison_page(dataclasses.replace(found, names=task.names))
+    write_text(project.root / COMPARISONS / task.page, page)
     return {"page": task.page}

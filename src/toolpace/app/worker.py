@@ -147,13 +147,17 @@ class Line:
     def cancel(self, key: str) -> None:
         """Take a task out of the line; one that is under way is ended."""
         with self._change:
-            for each in [each for each in self._entries if each.key == key]:
+            found = [each for each in self._entries if each.key == key]
+            for each in found:
                 each.cancelled = True
                 if each.began:
                     self._worker.stop()
                 else:
                     self._entries.remove(each)
-                    each.ended(None, "")
+        # Who is told may ask for more of the line.
+        for each in found:
+            if not each.began:
+                each.ended(None, "")
 
     def stop(self) -> None:
         """End what is under way, and begin nothing more; nobody is told of tasks that are left."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import webbrowser
 from typing import Annotated
@@ -52,8 +53,7 @@ def app_command(
         if not no_browser:
             # Some browsers return when they are closed.
             threading.Thread(target=webbrowser.open, args=(app.address,), daemon=True).start()
-        try:
+        with contextlib.suppress(KeyboardInterrupt):
             app.until_signal()
-        except KeyboardInterrupt:
-            console.print("stopped      what has not ended goes on with the next start", soft_wrap=True)
+        console.print("stopped      what has not ended goes on with the next start", soft_wrap=True)
     return 0
