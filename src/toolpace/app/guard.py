@@ -12,7 +12,8 @@ from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs
 
-from toolpace.common.errors import ToolpaceError, printable
+from toolpace.common.cluster.pool import error_in_words
+from toolpace.common.errors import printable
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Receive, Scope, Send
@@ -77,12 +78,8 @@ class Guard:
         try:
             await self.app(scope, receive, guarded)
         except Exception as error:
-            if begun:
-                return
-            if isinstance(error, ToolpaceError):
-                await _answer(guarded, 400, str(error))
-                return
-            await _answer(guarded, 500, printable(f"a fault in toolpace itself, {type(error).__name__}: {error}")[:300])
+            if not begun:
+                await _answer(guarded, 500, error_in_words(error))
 
     def _refused(self, scope: Scope, headers: dict[str, str]) -> Refusal | None:
         """Status and reason of a request that is not let in."""

@@ -17,6 +17,7 @@ import msgspec
 from toolpace.app.guard import Guard
 from toolpace.app.project import UPLOAD, Reading, Request, checked_name
 from toolpace.app.service import NotFoundError, Service
+from toolpace.common.cluster.pool import error_in_words
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import free_disk
 
@@ -96,6 +97,8 @@ def _answered(handler: Endpoint) -> Endpoint:
             return PlainTextResponse("the upload was broken off", 400)
         except OSError as error:
             return PlainTextResponse(f"the disk does not take it: {(error.strerror or str(error)).lower()}", 507)
+        except Exception as error:
+            return PlainTextResponse(error_in_words(error), 500)
 
     return answer
 
@@ -271,7 +274,7 @@ def new_token() -> str:
 
 
 def http_server(service: Service, port: int, token: str) -> uvicorn.Server:
-    """What answers requests of a service; `run(sockets=[...])` does so until a signal ends it, which it raises again."""
+    """What answers requests of a service; `run(sockets=[...])` does so until a signal, which it then raises again."""
     import uvicorn
 
     config = uvicorn.Config(

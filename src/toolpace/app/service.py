@@ -34,6 +34,7 @@ from toolpace.common.files import write_text
 from toolpace.jobs.batch.folder import RESULTS
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
+from toolpace.results.compare import FEWEST, MOST
 from toolpace.results.report.words import at_most, limit_words, percent
 
 LONGEST_TEXT = 1_000_000
@@ -260,8 +261,8 @@ class Service:
         """Have a page of two to eight plans drawn; its name, under which it will be there. Raises UsageError."""
         found = [self._job(each) for each in dict.fromkeys(jobs)]
         plans = {each.row.folder: each for each in found if each.row is not None and each.row.folder}
-        if len(plans) != len(found):
-            raise UsageError("choose jobs that have a plan, and none that asks for the same as another")
+        if len(plans) != len(found) or not FEWEST <= len(found) <= MOST:
+            raise UsageError(f"choose {FEWEST} to {MOST} jobs that have a plan, each for something else")
         name = "-".join(each.id for each in found)
         names = tuple(f"{each.number}: {each.request.tip_tolerance}, {each.request.feeds}" for each in plans.values())
         key = f"compare {name}"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from toolpace.app.project import COMPARISONS, CUT_FEEDS, AppJob, Part, Project, Reading
+from toolpace.app.project import COMPARISONS, CUT_FEEDS, AppJob, Part, Project
 from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file
 from toolpace.common.files.toml import toml_value
@@ -103,8 +103,15 @@ class ToldSteps(TimedSteps):
 
 
 def carry_out(root: Path, task: Task, tell: Tell) -> dict[str, Any]:
-    """What comes of a task, as JSON. Raises ToolpaceError."""
+    """What comes of a task, as JSON. Raises ToolpaceError; files are named in it as the user knows them."""
     project = Project(root)
+    try:
+        return _carried_out(project, task, tell)
+    except ToolpaceError as error:
+        raise ToolpaceError(with_names_alone(str(error), project)) from None
+
+
+def _carried_out(project: Project, task: Task, tell: Tell) -> dict[str, Any]:
     if isinstance(task, InspectTask):
         return inspect_part(project, project.part(task.part))
     if isinstance(task, SheetTask):
@@ -115,10 +122,9 @@ def carry_out(root: Path, task: Task, tell: Tell) -> dict[str, Any]:
     return done
 
 
-def without_folder(text: str, folder: Path) -> str:
-    """A message with the names of files as the user knows them."""
-    return text.replace(f"{printable(str(folder.absolute()))}/", "").replace(f"{printable(str(folder))}/", "")
-
+def with_names_alone(text: str, project: Project) -> str:
+    """A message in which files of the folder have their names alone."""
+    return re.sub(rf"{re.escape(printable(str(project.root)))}[/\\\\](?:[^/\\\\\s:]+[/\\\\])*", "", text)
 
 
 def inspect_part(project: Project, part: Part) -> dict[str, Any]:
@@ -128,7 +134,9 @@ def inspect_part(project: Project, part: Part) -> dict[str, Any]:
     found, _, _ = _inspected(project, part)
     refused = [each for each in found.refused if not (part.reading.lenient and each.certain)]
     record = inspection_record(dataclasses.replace(found, refused=tuple(refused)))
-    record["cures"] = cures(refused, found.needs, part.reading)
+    # What ends the reading though unread words are skipped, and leaves no tip to tell of, is not cured by skipping them.
+    skips = found.tip is not None and not part.reading.skip_unknown
+    record["cures"] = cures(refused, found.needs, skips)
     told: dict[str, Any] = msgspec.to_builtins(record)
     return told
 
@@ -154,9 +162,12 @@ def _inspected(project: Project, part: Part) -> tuple[Inspection, tuple[Machine,
     return dataclasses.replace(found, program=part.program), machines, setup
 
 
-def cures(refused: Sequence[Refusal], needs: Sequence[str], reading: Reading) -> list[dict[str, Any]]:
+def cures(refused: Sequence[Refusal], needs: Sequence[str], skips: bool) -> list[dict[str, Any]]:
     """Options that cure what is refused or needed, as messages name them: each with its value, null where it is the
-    user's to choose, and with the lines at which it is named."""
+    user's to choose, and with the lines at which it is named.
+
+    skips: whether words that are not read can be skipped.
+    """
     found: dict[tuple[str, str | None], list[int]] = {}
     for each in refused:
         for option, value in OPTION.findall(each.cure):
@@ -168,7 +179,7 @@ def cures(refused: Sequence[Refusal], needs: Sequence[str], reading: Reading) ->
     for need in needs:
         for option, value in OPTION.findall(need):
             found.setdefault((option, value or None), [])
-    if refused and not reading.skip_unknown and any(each.word != "the program" for each in refused):
+    if refused and skips:
         found.setdefault(("skip-unknown", None), [])
     return [{"option": option, "value": value, "lines": lines} for (option, value), lines in found.items()]
 
@@ -208,8 +219,9 @@ def do_app_job(project: Project, job: AppJob, steps: TimedSteps) -> AppJob:
         load = str(program.relative_to(project.root))
     elif row.folder:
         load, notes = write_planned_program(project, row, steps)
+    error = with_names_alone(row.error, project)
     return msgspec.structs.replace(
-        job, state="ended", row=row, error=row.error, program=load, notes=tuple(map(printable, notes))
+        job, state="ended", row=row, error=error, program=load, notes=tuple(map(printable, notes))
     )
 
 
@@ -251,7 +263,7 @@ def write_planned_program(project: Project, row: BatchRow, steps: TimedSteps) ->
         with steps.step("exporting"):
             written = write_export(PlannedMotion.load(project.plans / row.folder), target_of("program", {}), folder)
     except ToolpaceError as error:
-        return "", [f"no program to load: {without_folder(str(error), project.plans)}"]
+        return "", [f"no program to load: {with_names_alone(str(error), project)}"]
     return str((folder / written.files[0]).relative_to(project.root)), list(written.notes)
 
 
