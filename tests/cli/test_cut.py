@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from tests.support.report_pages import calculated, embedded
 from toolpace.cli import main
 
 MACHINE = "xyzac-trunnion"
@@ -121,7 +122,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     assert volume == pytest.approx(record["left_mm3"], rel=0.02)
     page = (place / "cut-1.html").read_text()
-    assert "What the tool cuts" in page and "http://" not in page.split("<script")[0]
+    assert "slot.ngc cuts</title>" in page and "http://" not in page.split("<script")[0]
 
 
 @pytest.mark.parametrize(
@@ -145,3 +146,31 @@ def test_what_the_sheet_lacks_is_one_line_with_the_cure(folder, capsys, sheet, w
 def test_sizes_that_make_no_sense_are_refused(folder, capsys, option, value):
     assert main(["cut", str(folder / "slot.ngc"), "-m", MACHINE, option, value]) == 2
     assert option in capsys.readouterr().err
+
+
+def test_the_page_of_a_crash_leads_to_it_and_a_second_program_begins_with_what_the_first_left(folder, tmp_path):
+    pytest.importorskip("pyarrow")
+    place = tmp_path / "out"
+    assert run(folder, "slot.ngc", "crash.ngc", "--out", str(place)) == 1
+    text = (place / "cut-2.html").read_text(encoding="utf-8")
+    data = embedded(text)
+    (crash,) = data["findings"]
+    assert crash["text"].startswith("line 5: rapid through") and 0.0 < crash["t"] < data["duration"]
+    assert f'data-seek="{crash["t"]:.6f}">5</button>' in text
+    left = calculated(
+        text,
+        """const stock = new Stock(player.workpiece.stock, player.arrays);
+        return [0, stock.stages].map((stage) => {
+            const { corners: c, triangles } = stock.surface(stage);
+            let sum = 0;
+            for (let k = 0; k < triangles.length; k += 3) {
+                const at = (i) => Array.from(c.slice(3 * triangles[k + i], 3 * triangles[k + i] + 3));
+                const [[a, b, d], [e, f, g], [h, i, j]] = [0, 1, 2].map(at);
+                sum += a * (f * j - g * i) + b * (g * h - e * j) + d * (e * i - f * h);
+            }
+            return sum / 6;
+        });""",
+    )
+    # mm3: the slot of the first program is there before the second, which goes as wide and twice as deep
+    assert left[0] == pytest.approx(20 * 20 * 10 - 20 * 8 * 2, rel=0.005)
+    assert left[1] == pytest.approx(20 * 20 * 10 - 20 * 8 * 4, rel=0.005)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
 
@@ -45,6 +46,9 @@ class ProgramCut:
     toolpath: ToolPath
     trajectory: Trajectory
     simulation: CutSimulation
+    setup: SetUp
+    text: bytes
+    """What its file holds."""
 
 
 AfterOperation = Callable[[int, int, "Stock"], None]
@@ -106,4 +110,5 @@ def cut_program(
         )  # fmt: skip
         places = sum(len(each.stations) for each in simulation.stretches)
         step.note = f"{places} stations, cells of {simulation.resolution * 1e3:g} mm"
-    return ProgramCut(program, toolpath, planned.trajectory, simulation)
+    text = task.source.data if task.source is not None else b""
+    return ProgramCut(program, toolpath, planned.trajectory, simulation, request.options.setup, text)

@@ -82,7 +82,7 @@ def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:
     if write_rows(folder / PARQUET, rows):
         written.append(PARQUET)
     with whole_file(folder / PAGE) as temporary:
-        temporary.write_text(batch_page(rows), encoding="utf-8")
+        temporary.write_text(batch_page(folder, rows), encoding="utf-8")
     return [*written, PAGE]
 
 
@@ -110,9 +110,9 @@ def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
     return True
 
 
-def batch_page(rows: Sequence[BatchRow]) -> str:
-    """The whole HTML text."""
-    table = [_cells(row) for row in rows]
+def batch_page(folder: Path, rows: Sequence[BatchRow]) -> str:
+    """The whole HTML text; rows lead to the files of their jobs that are in the folder of the batch."""
+    table = [_cells(folder, row) for row in rows]
     shown = [k for k, (name, _) in enumerate(HEADINGS) if name not in OPTIONAL or any(cells[k][0] for cells in table)]
     head = "".join(f'<th class="{HEADINGS[k][1]}">{HEADINGS[k][0]}</th>' for k in shown)
     done = sum(row.verdict != WAITING for row in rows)
@@ -160,7 +160,7 @@ def _cards(rows: Sequence[BatchRow]) -> str:
     return shell.cards(cards)
 
 
-def _cells(row: BatchRow) -> list[Cell]:
+def _cells(folder: Path, row: BatchRow) -> list[Cell]:
     """In the order of the headings."""
     verdict = "good" if row.verdict in GOOD else "quiet" if row.verdict == WAITING else "bad"
     limits = ", ".join(
@@ -169,7 +169,7 @@ def _cells(row: BatchRow) -> list[Cell]:
         if share >= 0.01
     )
     return [
-        (_linked(row), None, ""),
+        (_linked(folder, row), None, ""),
         (escape(row.machine), None, ""),
         (escape(row.verdict), None, verdict),
         _figure(row.duration_s, format_time),
@@ -190,12 +190,11 @@ def _figure(value: Number | None, show: Callable[[Number], str]) -> Cell:
     return escape(show(value)), float(value), "n"
 
 
-def _linked(row: BatchRow) -> str:
-    """The program, leading to what came of it."""
-    if not row.folder:
-        return escape(row.program)
-    target = quote(f"{row.folder}/{RESULTS[row.what] if row.report else RECORD}")
-    return f'<a href="{escape(target)}">{escape(row.program)}</a>'
+def _linked(folder: Path, row: BatchRow) -> str:
+    """The program, leading to what came of it: to the report, or where there is none to the figures."""
+    files = (f"{row.folder}/{name}" for name in ((RESULTS[row.what],) if row.report else ()) + (RECORD,))
+    target = next((name for name in files if row.folder and (folder / name).is_file()), "")
+    return f'<a href="{escape(quote(target))}">{escape(row.program)}</a>' if target else escape(row.program)
 
 
 def _html(cell: Cell) -> str:
