@@ -60,7 +60,7 @@ def test_the_load_that_holds_is_named_and_no_speed_is_above_the_profile():
     assert next(iter(shares)) == "chip" and shares["chip"] > 0.4
     points = trajectory.sample(1e-3)
     steps = np.linalg.norm(np.diff(points.tip, axis=0), axis=1) / 1e-3
-    cutting = (points.tip[1:, 0] > 1e-3) & (points.tip[1:, 0] < 39e-3) & (points.block[1:] == 5)
+    cutting = (points.tip[1:, 0] > 1e-3) & (points.tip[1:, 0] < 34e-3) & (points.block[1:] == 5)
     # a chip of 0.05 mm, three teeth, 100 turns per second
     assert steps[cutting].max() == pytest.approx(15e-3, rel=BELOW) and steps[cutting].max() <= 15e-3 * 1.0001
     assert steps[points.tip[1:, 0] < -8e-3].max() > 30e-3

@@ -1,5 +1,5 @@
-"""Programs whose cut changes on the way, with their sheets: a pocket, a slot that widens, a wall with steps, a ball on a
-surface."""
+"""Programs whose cut changes on the way, with their sheets: a pocket, a slot that widens, a wall with steps, a ball on
+a surface."""
 
 from __future__ import annotations
 

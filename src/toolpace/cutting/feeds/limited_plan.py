@@ -45,6 +45,9 @@ from toolpace.programs.toolpath import ToolPath, check_toolpath
 if TYPE_CHECKING:
     from toolpace.programs.reading.coordinates.setup import SetUp
 
+SMOOTH = 0.01
+"""Share by which the speeds of neighbouring stations may differ for the speed to be straight between them: at an entry,
+at an exit and at a corner they differ by more."""
 BELOW = 2e-3
 """Share of a speed by which the profile may be below it, so that it has few places."""
 
@@ -110,8 +113,7 @@ def plan_within_cut(
         simulation = simulate_cut(
             trajectory, toolpath, setup, resolution=resolution, memory=memory, progress=tell
         )
-        steps = replace(rules.steps, margin=max(rules.steps.margin, simulation.resolution))
-        return simulation, plan_feeds(simulation, toolpath, tools, replace(rules, steps=steps), reached)
+        return simulation, plan_feeds(simulation, toolpath, tools, rules, reached)
 
     first = plan_program(toolpath, machine, *tolerances, effort="low", progress=part(0.0, 0.15))
     simulation, feeds = cut(first.trajectory, part(0.15, 0.3))
@@ -199,11 +201,25 @@ def _pieces(trajectory: Trajectory, stations: Stations, speed: Floats, source: I
         on = np.append(on, len(s) - 1)
         # of ways that are none the next one's speed holds from where they stand
         s, of_way, sets = s[on], speed[first + on[1:]], source[first + on[1:]]
-        most = np.concatenate([of_way[:1], np.minimum(of_way[1:], of_way[:-1]), of_way[-1:]])
+        most = at_stations(of_way)
         kept = few_places(s, most)
         start, entry = trajectory.axis_path.runs[k].entries()
         place = np.interp(s[kept], start, ways_between(entry))
         found.append((place, (1.0 - 0.5 * BELOW) * most[kept], _least(most, sets, kept)))
+    return found
+
+
+def at_stations(speed: Floats) -> Floats:
+    """(n + 1,) most speed at stations, from that which the pose at the end of each way between them allows (n,).
+
+    Where that of a neighbour is lower by more than SMOOTH something begins or ends between them, nobody knows where: it
+    holds at both.
+    """
+    own = np.concatenate([speed[:1], speed])
+    found = own.copy()
+    for one, other in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
+        lower = own[other] < (1.0 - SMOOTH) * own[one]
+        found[one] = np.where(lower, np.minimum(found[one], own[other]), found[one])
     return found
 
 

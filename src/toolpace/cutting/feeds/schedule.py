@@ -77,8 +77,10 @@ def stepped(places: Places, speed: Floats, steps: Steps) -> Floats:
 def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) -> Floats:
     """(n,) the least or the largest value of the ways that come within `reach` of each; `way` (n,) ascends.
 
-    Entry i of `values` holds on the way from station i - 1 to i.
+    Entry i of `values` holds on the way from station i - 1 to i. Without a reach each way has its own.
     """
+    if reach <= 0.0:
+        return values.copy()
     begin = np.concatenate([way[:1], way[:-1]])
     low = np.searchsorted(way, begin - reach, side="left")
     high = np.searchsorted(begin, way + reach, side="right")
