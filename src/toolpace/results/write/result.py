@@ -28,6 +28,7 @@ from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write.plan_json import (
     PLAN,
     BendingRecord,
+    CutRecord,
     PlanRecord,
     ReadingRecord,
     by_place,
@@ -143,6 +144,8 @@ class PlanResult:
     """[rad]"""
     aimed: BendingCompensation | None = None
     """Where the bending of the tool is compensated: by what, and for which tool."""
+    cut: CutRecord | None = None
+    """What it cuts, where the set-up sheet names a stock."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 
@@ -201,6 +204,7 @@ class PlanResult:
             rounds=iteration_records(self.rounds),
             tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
             axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
+            cut=self.cut,
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
