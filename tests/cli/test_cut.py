@@ -148,6 +148,22 @@ def test_sizes_that_make_no_sense_are_refused(folder, capsys, option, value):
     assert option in capsys.readouterr().err
 
 
+def test_what_is_left_above_the_finished_part_is_told_and_is_no_collision(folder, capsys):
+    (folder / "part.toml").write_text(SHEET + "[finished_part]\nbox = [[0, 0, -10], [20, 20, -1.5]]\n")
+    assert run(folder, "slot.ngc", "--json", sheet="part.toml") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    # beside the slot all of the stock stands; in the slot the tool is half a millimetre too deep
+    assert found["left_above_part_mm"] == pytest.approx(1.5, abs=1e-6)
+    assert found["left_above_part_mm3"] == pytest.approx(20 * 12 * 1.5, rel=0.02)
+    kinds = [each["kind"] for each in found["findings"]]
+    assert kinds == ["gouge", "left", "left"] or kinds == ["gouge", "left"]
+    left = found["findings"][1]
+    assert left["line"] == 5 and left["in"] == "finished part" and left["depth_mm"] == pytest.approx(1.5, abs=1e-6)
+    run(folder, "slot.ngc", sheet="part.toml")
+    said = capsys.readouterr().out
+    assert "near line 5: left above finished part, 1.5 mm high" in said and "left      at most 1.5 mm high" in said
+
+
 def plan(folder, *words, sheet="sheet.toml", command="plan"):
     files = [str(folder / word) if word.endswith(".ngc") else word for word in words]
     return main([command, *files, "-m", MACHINE, "--setup", str(folder / sheet)])

@@ -116,7 +116,11 @@ def surroundings(setup: SetUp, machine: Machine, resolution: float, memory: floa
     workpiece = setup.workpiece
     part = workpiece.finished_part
     fixtures = {name: around(solid) for name, solid in workpiece.fixtures}
-    return Surroundings(None if part is None else around(part), workpiece.gouge_tolerance, fixtures)
+    if part is None:
+        return Surroundings(fixtures=fixtures)
+    body = body_of(part, machine, setup)
+    finished = dexels(body, resolution, memory)
+    return Surroundings(finished, workpiece.gouge_tolerance, fixtures, body.triangles())
 
 
 def dexels(body: Body, resolution: float | None, memory: float) -> DexelStock:
