@@ -19,7 +19,7 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
-    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp",
+    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "LeftRegion", "Motion", "PathJet", "PlaceMap", "PlannedSetUp",
     "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
     "deflection.Projection", "PathRun",
 )  # fmt: skip

@@ -97,6 +97,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
+        job = engaged_by_stock(job, steps, toolpath)
         compensation = compensated_for_bending(job, steps, toolpath)
         if compensation is None:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
@@ -242,6 +243,29 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
         iterations = counted(compensation.rounds, "iteration")
         step.note = f"the tool bends by at most {format_length(compensation.largest)}, {iterations}"
     return compensation
+
+
+def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
+    """The job with the deflection of its tool by what it cuts of the stock, where the tool file leaves the engagement
+    to that. Raises UsageError where the set-up sheet names no stock, or lacks a figure of the tool."""
+    if job.tool is None or not job.tool.from_stock:
+        return job
+    from toolpace.common.errors import UsageError
+    from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
+
+    setup = job.options.setup
+    if setup.workpiece.stock is None:
+        raise UsageError(
+            f'{job.tool.source}: milling = "stock", and no set-up sheet names one; give it (--setup) with [stock], or '
+            "write the engagement"
+        )
+    stiff = replace(job, tool=None, effort="low")
+    trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
+    simulation = cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    with steps.step("forces"):
+        tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
+    return replace(job, tool=tool)
 
 
 def program_name(job: Job) -> str:

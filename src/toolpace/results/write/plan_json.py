@@ -112,6 +112,9 @@ class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Largest difference between the bending of this motion and the bending that is compensated."""
     rounds: int
     """How often it was planned with a shift."""
+    engaged_file: str = ""
+    """The deflection along the program by what is cut of the stock, beside this file; empty where the engagement is
+    stated."""
 
 
 class OperationCutRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
