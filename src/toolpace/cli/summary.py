@@ -14,6 +14,7 @@ from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.programs.tolerances import TIGHTER
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
 
 if TYPE_CHECKING:
@@ -225,7 +226,7 @@ def reading_in_words(record: PlanRecord) -> str:
             ("axis", record.axis_tolerance_deg, "deg", record.axis_tolerances),
         ):
             tolerance = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
-            words.append(f"{part} {places}" if places else tolerance)
+            words.append(f"{part} {_places_in_words(places)}" if places else tolerance)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
     else:
         words.append("limits of the machine alone, no program")
@@ -241,6 +242,13 @@ def reading_in_words(record: PlanRecord) -> str:
     words += [f"table in {how.units}"] if how.units else []
     words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
+
+
+def _places_in_words(places: str) -> str:
+    """Tolerances by place: "10um,finish:5um"; "10um, less where the program asks for less" of tighter ones."""
+    parts = places.split(",")
+    left = ",".join(part for part in parts if part != TIGHTER)
+    return f"{left}, less where the program asks for less" if TIGHTER in parts else left
 
 
 def wider_than_default(record: PlanRecord) -> str:

@@ -94,6 +94,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     job = loaded(job)
     warm_up(steps)
     toolpath = read_program(job, steps)
+    job = with_tolerances_in(job, toolpath)
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
@@ -184,6 +185,18 @@ def read_program(job: Job, steps: TimedSteps) -> ToolPath:
         skipped = sum(toolpath.skipped.values())
         step.note = f"{toolpath.blocks} blocks, {len(toolpath)} points" + (f", {skipped} skipped" if skipped else "")
     return toolpath
+
+
+def with_tolerances_in(job: Job, toolpath: ToolPath) -> Job:
+    """The job with tolerances that are numbers where its program asks for nothing tighter."""
+    from toolpace.programs.tolerances import Tolerances
+
+    tip, axis = job.tip_tolerance, job.axis_tolerance
+    return replace(
+        job,
+        tip_tolerance=tip.of_tip_in(toolpath) if isinstance(tip, Tolerances) else tip,
+        axis_tolerance=axis.of_axis_in(toolpath) if isinstance(axis, Tolerances) else axis,
+    )
 
 
 def fit_path(job: Job, steps: TimedSteps, toolpath: ToolPath) -> FittedProgram:

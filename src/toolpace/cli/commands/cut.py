@@ -50,7 +50,7 @@ def cut_command(
     machine: options.MachineName = None,
     resolution: Resolution = None,
     memory: Memory = MEMORY,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     effort: options.Effort = "normal",
     feed: options.Feed = None,
     tool_length: options.ToolLength = None,
