@@ -10,6 +10,7 @@ import pytest
 
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.errors import UsageError
+from toolpace.kernels.cutting.intrusion import depth_within
 from toolpace.programs.tool_figures import Frustum, ToolFigures
 
 TOOLS = {
@@ -106,3 +107,19 @@ def test_a_point_as_flat_as_can_be_is_a_flat_end():
 def test_arcs_that_do_not_meet_are_refused():
     with pytest.raises(UsageError, match="barrel"):
         ToolProfile.of(ToolFigures("barrel", 0.01, barrel_radius=0.004))
+
+
+@pytest.mark.parametrize("name", TOOLS)
+def test_the_depth_of_a_place_within_is_its_distance_from_the_outline(name):
+    """Of a drill or a tapered ball the nearest place may be on the point, below the height of the place."""
+    profile = ToolProfile.of(TOOLS[name])
+    z = np.linspace(0.0, profile.length, 4001)
+    radius = profile.surface(z)[0]
+    inward = np.linspace(0.0, 1.0, 400)
+    outline = np.concatenate([np.c_[radius, z], np.c_[radius[0] * inward, 0.0 * inward]])
+    outline = np.concatenate([outline, np.c_[radius[-1] * inward, profile.length + 0.0 * inward]])
+    random = np.random.default_rng(4)
+    for height in random.uniform(0.0, profile.length, 60):
+        rho = random.uniform(0.0, float(profile.surface(np.array([height]))[0][0]))
+        distance = np.hypot(*(outline - [rho, height]).T).min()
+        assert depth_within(profile.cutting, rho, height) == pytest.approx(distance, abs=1e-5)
