@@ -108,7 +108,9 @@ WORDS = {
     "Klartext, before M": (Klartext(), "7 L X+1 R0 M3 ; F1", "7 L X+1 R0 F99 M3 ; F1"),
     "Klartext, of M128": (Klartext(), "L X+1 F AUTO M128 F1000", "L X+1 F99 M128 F1000"),
     "Klartext, a parameter": (Klartext(), "L X+1 FQ5 R0", "L X+1 F99 R0"),
-    "Klartext, a tooth": (Klartext(), "L X+1 FZ 0.1", "L X+1 F99"),
+    "Klartext, a tooth": (Klartext(), "L X+1 FZ 0.1", "L X+1 FZ99"),
+    "Sinumerik, a tooth": (Sinumerik(), "G1 X1 FZ=0.1 M8", "G1 X1 FZ=99 M8"),
+    "Sinumerik, one block": (Sinumerik(), "X1 FB=R5", "X1 FB=99"),
 }
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
-from toolpace.controls.export.planned_feeds import CUT, PROBE, Job, change_of_kept, in_old_blocks, strays
+from toolpace.controls.export.planned_feeds import CUT, Job, change_of_kept, in_old_blocks, strays
 from toolpace.controls.export.program import Places as TextPlaces
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewritten
 from toolpace.cutting.feeds.feed_plan import FeedPlan
@@ -119,11 +119,13 @@ def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten
     if wrong:
         pieces = {line: lines for line, lines in pieces.items() if line not in wrong}
         new, read = job.probe(pieces)
-    words: dict[int, list[str]] = {}
-    for line, probed in new.times(read).items():
-        k = job.lines[line]
-        planned = feeds.piece_times(k, shares[line][0]) if line in pieces else [feeds.planned_time(k)]
-        words[line] = [rounded_down(PROBE * float(a / b)) for a, b in zip(probed, planned)]
+    times = new.times(read)
+    planned = {
+        line: feeds.piece_times(k, shares[line][0]) if line in pieces else np.array([feeds.planned_time(k)])
+        for line, k in job.lines.items()
+    }
+    values = job.values(times, planned, pieces)
+    words = {line: [rounded_down(value) for value in found.tolist()] for line, found in values.items()}
     return job.rewriting.write(words, pieces), pieces
 
 
@@ -217,7 +219,7 @@ class _BlockFeeds:
 
         Where rotary joints set the pace the tip's own speed changes within a block, and one F scales all of it.
         """
-        if self.passes.rapid[k] or self.passes.mixed[k]:
+        if self.passes.rapid[k]:
             return math.inf
         _, feeds, own = self.pieces_of(k)
         return float((feeds / own).min(initial=math.inf))
@@ -238,7 +240,8 @@ class _BlockFeeds:
         feeds = np.append(self.values, np.nan)[np.minimum(piece, len(self.values))]
         way = np.diff(np.interp(edges, np.arange(len(self.way)), self.way))
         own = self.own[np.ceil(middle).astype(np.int64)]
-        there = way > 0.0
+        # of a cycle the ways at feed
+        there = (way > 0.0) & ~self.toolpath.rapid[np.ceil(middle).astype(np.int64)]
         if not there.any() or not (np.isfinite(feeds) & (feeds > 0.0) & np.isfinite(own))[there].all():
             return np.zeros(0), np.zeros(0), np.zeros(0)
         return way[there], feeds[there], own[there]

@@ -21,8 +21,8 @@ from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.languages import recognised
 from toolpace.programs.toolpath import ToolPath
 
-PROBE = 100.0
-"""The F with which the program is read to learn what one means."""
+PROBE = 1.0
+"""The F with which the program is read to learn what one means: per minute, turn or tooth, or as an inverse time."""
 CUT = ("word-address", "sinumerik")
 """Languages whose blocks can be cut."""
 
@@ -99,9 +99,9 @@ class Job:
         except ToolpaceError as error:
             raise VerificationError(f"with the feeds of the plan the program cannot be read: {error}") from None
 
-    def probe(self, pieces: Pieces) -> tuple[Rewritten, ToolPath]:
+    def probe(self, pieces: Pieces, feed: float = PROBE) -> tuple[Rewritten, ToolPath]:
         """The program with one F everywhere, and how it reads."""
-        feeds = {line: [f"{PROBE:g}"] * (1 + len(pieces.get(line, ()))) for line in self.lines}
+        feeds = {line: [f"{feed:g}"] * (1 + len(pieces.get(line, ()))) for line in self.lines}
         new = self.rewriting.write(feeds, pieces)
         return new, self.read(new)
 
@@ -109,14 +109,28 @@ class Job:
         """Line to the F of each of its pieces, which take equal times."""
         new, read = self.probe(pieces)
         times = new.times(read)
-        controller = self.options.controller
-        seconds = self.rewriting.inverse and controller is not None and controller.option("inverse_seconds", False)
-        feeds = {}
-        for line, k in self.lines.items():
-            right = self.planned[k] / len(times[line])
-            values = np.full(len(times[line]), right) if seconds else PROBE * times[line] / right
-            feeds[line] = [figure(value, self.rewriting.words.decimals) for value in values.tolist()]
-        return feeds
+        planned = {
+            line: np.full(len(times[line]), self.planned[k] / len(times[line])) for line, k in self.lines.items()
+        }
+        decimals = self.rewriting.words.decimals
+        return {
+            line: [figure(value, decimals) for value in values.tolist()]
+            for line, values in self.values(times, planned, pieces).items()
+        }
+
+    def values(
+        self, times: Mapping[int, Floats], planned: Mapping[int, Floats], pieces: Pieces
+    ) -> dict[int, Floats]:
+        """Line to the F with which each of its pieces takes a planned time (n,) [s], from the `times` with PROBE."""
+        controller, longer = self.options.controller, {}
+        if controller is not None and controller.option("inverse_seconds", False):
+            # where F is the seconds of a block, twice the F is twice the time
+            new, read = self.probe(pieces, 2.0 * PROBE)
+            longer = {line: twice > times[line] for line, twice in new.times(read).items()}
+        return {
+            line: PROBE * np.where(longer.get(line, False), planned[line] / probed, probed / planned[line])
+            for line, probed in times.items()
+        }
 
 
 def _has_inverse_times(controller: object) -> bool:

@@ -30,7 +30,7 @@ DECIMALS = 6
 """Of coordinates between those of the program."""
 _STRAIGHT = re.compile(
     rf"[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?(?:G[ \t]*0*1(?![0-9.])[ \t]*)?((?:[XYZABCUVW][ \t]*=?[ \t]*{NUMBER}[ \t]*)+)"
-    rf"(?:F[ \t]*{NUMBER}[ \t]*)?"
+    rf"(?:F(?:Z[ \t]*=)?[ \t]*{NUMBER}[ \t]*)?"
 )
 _AXIS = re.compile(rf"(?<![A-Z_0-9\]])([XYZABCUVW])[ \t]*=?[ \t]*({NUMBER})?")
 _INCREMENTS = re.compile(r"(?<![A-Z_0-9])G[ \t]*9([01])(?![0-9.])")

@@ -219,13 +219,14 @@ class Rewriting:
         restores = self.restores()
         changed: list[list[str]] = []
         bearers: dict[int, list[int]] = {}
-        back = [0]
+        back, in_force = [0], ""
         for number, line in enumerate(self.text.lines, start=1):
             new: list[str] = []
+            in_force = self.words.feed_in(line) or in_force
             if number in feeds:
                 bearers[number] = []
                 for piece, feed in zip([*pieces.get(number, ()), line], feeds[number], strict=True):
-                    new += self.words.with_feed(piece, feed, self.inverse)
+                    new += self.words.with_feed(piece, feed, self.inverse, in_force)
                     bearers[number].append(len(back) - 1 + len(new))
                 if number in restores:
                     new.append(restores[number])
