@@ -5,12 +5,12 @@ What an F means is not worked out here: the program is read with one F everywher
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewriting, Rewritten, figure, pose
@@ -25,6 +25,8 @@ PROBE = 1.0
 """The F with which the program is read to learn what one means: per minute, turn or tooth, or as an inverse time."""
 CUT = ("word-address", "sinumerik")
 """Languages whose blocks can be cut."""
+SAME = 1e-9
+"""Share by which the time of a block that keeps its text may differ: rounding."""
 
 Pieces = Mapping[int, Sequence[str]]
 """Line to the lines that stand before it where it is cut."""
@@ -86,6 +88,10 @@ class Job:
         planned = passes.planned_times(toolpath, plan) if isinstance(plan, SetPoints) else plan
         rewriting = Rewriting.of(ProgramText.of(source.data), words, passes, planned, inverse)
         return cls(source, machine, dialect, options, toolpath, passes, planned, rewriting)
+
+    def without(self, passes: Bools) -> Job:
+        """The same, where some passes (k,) keep their text."""
+        return replace(self, rewriting=replace(self.rewriting, chosen=self.rewriting.chosen & ~passes))
 
     @property
     def lines(self) -> dict[int, int]:
@@ -177,6 +183,34 @@ def off_the_way(tip: Floats, axis: Floats, tips: Floats, axes: Floats) -> tuple[
         far.append(float(np.linalg.norm(tip[k] + share[k] * (tip[k + 1] - tip[k]) - here)))
         turned.append(float(np.linalg.norm(axis[k] + share[k] * (axis[k + 1] - axis[k]) - leaning)))
     return max(far), max(turned)
+
+
+def settled(job: Job, write: Callable[[Job], Rewritten]) -> tuple[Job, Rewritten, ToolPath]:
+    """A job, as it is written and as that reads, with as many blocks as leave those that keep their text their feed.
+
+    Where the text does not tell which feed is in force (a subprogram or a variable has changed it), the blocks before
+    keep their text too. Raises VerificationError where that does not help.
+    """
+    while True:
+        new = write(job)
+        again = job.read(new)
+        wrong = change_of_kept(job, new, again) > SAME
+        if not wrong.any():
+            return job, new, again
+        before = job.rewriting.chosen & _before(wrong, job.rewriting.kept)
+        if not before.any():
+            raise VerificationError(
+                f"read back, block {int(job.passes.block[int(np.argmax(wrong))])} keeps its text and has another feed; "
+                "nothing was written"
+            )
+        job = job.without(before)
+
+
+def _before(wrong: Bools, kept: Bools) -> Bools:
+    """(k,) passes between one that is `wrong` (k,) and the last before it that is `kept` (k,)."""
+    behind: Ints = np.cumsum(kept) - kept
+    found: Bools = np.isin(behind, behind[wrong]) & ~kept
+    return found
 
 
 def largest_change_of_kept(job: Job, new: Rewritten, again: ToolPath) -> float:
