@@ -141,6 +141,19 @@ def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_i
     assert beyond.any() and np.allclose(new.most_speed[beyond], 0.01)
 
 
+def test_a_block_too_short_for_a_station_keeps_its_feed_or_is_lowered_with_the_next():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\nG1 X30.1 F300\nG1 X30.2 F3000\nG1 X60 F600\nM30\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    last = len(toolpath) - 1
+    at = Places(np.array([last - 4.0, last - 3.0, last]), np.array([0.0, 30e-3, 60e-3]))
+    for feed, new in ((0.01, (600, 300, 3000, 600)), (0.05, (600, 300, 3000, 3000)), (0.008, (600, 300, 480, 480))):
+        plan = FeedPlan((at,), (np.array([0.01, 0.01, feed]),), ())
+        written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
+        assert [round(60e3 * each) for each in written.toolpath.most_speed[-4:]] == list(new)
+        assert (written.data.decode() == text) == (feed == 0.01)
+
+
 def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
     text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
     machine = tp.Machine.load("xyzac-trunnion")

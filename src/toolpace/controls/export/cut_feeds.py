@@ -164,8 +164,8 @@ class _BlockFeeds:
 
     def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan) -> None:
         self.toolpath, self.passes = toolpath, passes
-        self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds))
         self.own = toolpath.most_speed
+        self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds), self.own)
         self.way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
 
     def divided(self, source: Source) -> Divisions:
