@@ -94,7 +94,7 @@ def test_a_guessed_stock_raises_no_speed(tmp_path, capsys):
     assert main(["plan", *words]) == 0
     shown = capsys.readouterr().out
     assert "the stock is a guess" in " ".join(shown.split())
-    assert json.loads((out / "plan.json").read_text())["cut"]["stock_guessed"] is True
+    assert json.loads((out / "plan.json").read_text())["cut_limits"]["stock_guessed"] is True
 
 
 @pytest.mark.parametrize(
@@ -124,13 +124,13 @@ def test_a_folder_tells_that_its_cut_was_changed(tmp_path, capsys, monkeypatch):
     assert main(["plan", *words, "--resolution", "1mm", "--no-report", "--out", str(out)]) == 0
     assert main(["verify", str(out)]) == 0
     assert "chip of the cut" in capsys.readouterr().out
-    file = out / "cut.npz"
+    file = out / "cut_limits.npz"
     with np.load(file) as arrays:
         changed = {name: arrays[name] for name in arrays.files}
     changed["speed"] = 1.5 * changed["speed"]
     np.savez_compressed(file, **changed)
     assert main(["verify", str(out)]) == 2
-    assert "cut.npz: is not the file that the plan was made with" in capsys.readouterr().err
+    assert "cut_limits.npz: is not the file that the plan was made with" in capsys.readouterr().err
     file.unlink()
     assert main(["verify", str(out)]) == 2
     assert "do not belong together" in capsys.readouterr().err

@@ -22,7 +22,7 @@ from toolpace.cutting.forces.material import Material
 from toolpace.judge.cut import CutJudge
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.programs.reading.setup_file import setup_of_text
-from toolpace.results.write.cut_file import cut_arrays, cut_bytes, cut_record, promise_of
+from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record, promise_of
 
 ABOVE, BELOW = 1e-3, 1e-2
 """Shares of a limit by which a load may be above it, and is below it at most where it holds the motion."""

@@ -16,7 +16,7 @@ from toolpace.judge.cut.sections import Poses, Section, Surface, shape_of
 from toolpace.judge.cut.turning import Cutting, loads_of
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
-from toolpace.results.write.cut_file import cut_arrays, cut_bytes
+from toolpace.results.write.cut_limits import cut_arrays, cut_bytes
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
 FEED = np.array([1.0, 0.0, 0.0])

@@ -113,7 +113,7 @@ def plan_command(
         dialect=dialect,
         options=how,
         tool=arguments.tool_named(bend),
-        cut=allowed.of_plan(resolution, memory),
+        cut_options=allowed.of_plan(resolution, memory, bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
         npz=arguments.form_of_set_points(files.npz),

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -14,10 +13,42 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.jobs import TimedSteps
+    from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
+    from toolpace.motion.setpoints import SetPointSource
     from toolpace.programs.reading import ReadOptions
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.write.cut_limits import CutLimitsRecord
+
+
+class Planning(Protocol):
+    """What is asked of a plan, as a job tells it."""
+
+    @property
+    def machine(self) -> Machine:
+        """That it is for."""
+
+    @property
+    def options(self) -> ReadOptions:
+        """How the program is read; its set-up sheet."""
+
+    @property
+    def tip_tolerance(self) -> float | Tolerances:
+        """[m]"""
+
+    @property
+    def axis_tolerance(self) -> float | Tolerances:
+        """[rad]"""
+
+    @property
+    def effort(self) -> str:
+        """For a fast path."""
+
+    @property
+    def planner(self) -> str:
+        """Its name."""
 
 
 @dataclass(frozen=True)
@@ -30,26 +61,41 @@ class CutOptions:
     memory: float = 1e9
     """Most that the stock takes [bytes]."""
 
-    def plan(
-        self,
-        toolpath: ToolPath,
-        machine: Machine,
-        options: ReadOptions,
-        tolerances: tuple[float | Tolerances, float | Tolerances],
-        effort: str,
-        planner: str,
-        progress: Callable[[float], None],
-    ) -> CutLimitedPlan:
-        """The plan of a program; the feeds teach at the speeds that its control reaches. Raises ToolpaceError."""
+    def plan(self, job: Planning, steps: TimedSteps, toolpath: ToolPath, name: str) -> CutLimitedPlan:
+        """The plan of a program of this name; what teaches does so at the speeds that its control reaches. Raises
+        ToolpaceError."""
         from toolpace.controls.timing.program_time import figures_for
         from toolpace.cutting.feeds.limited_plan import plan_within_cut
+        from toolpace.path.axis_path import check_travel
+        from toolpace.planning.program_plan import effort_for
 
-        learns = self.rules.way == "learned"
-        reached = speeds_reached(toolpath, machine, figures_for(options, None)) if learns else None
-        return plan_within_cut(
-            toolpath, machine, options.setup, self.rules, *tolerances, effort=effort, planner=planner,
-            resolution=self.resolution, memory=self.memory, reached=reached, progress=progress,
-        )  # fmt: skip
+        with steps.step("planning within the cut") as step:
+            learns = self.rules.way == "learned"
+            reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            found = plan_within_cut(
+                toolpath, job.machine, job.options.setup, self.rules, job.tip_tolerance, job.axis_tolerance,
+                effort=effort_for(job.effort, job.planner), planner=job.planner, resolution=self.resolution,
+                memory=self.memory, reached=reached, progress=step,
+            )  # fmt: skip
+            check_travel(found.plan.trajectory.axis_path, name)
+            step.note = f"{found.plan.trajectory.mesh_points} mesh points, {found.extent}"
+        for note in found.feeds.notes:
+            steps.say(note)
+        return found
+
+    def verified(
+        self, job: Planning, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
+        part: tuple[CutLimitsRecord, bytes],
+    ) -> Verification:  # fmt: skip
+        """The judge's word, with that on the cut of the set-points along the program."""
+        from toolpace.judge.cut import checks_of_cut
+        from toolpace.motion.setpoints import in_memory
+        from toolpace.results import write
+
+        with steps.step("verifying the cut"):
+            promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
+            checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
+        return replace(found, checks=(*found.checks, *checks))
 
 
 def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures) -> Floats:

@@ -5,6 +5,7 @@ carry out a job:
   fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
   plan the motion along it               Trajectory; where the tool bends, both again until the bending is compensated
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
+  cut the stock of the set-up sheet      CutRecord; only where the sheet names a stock
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
   write all of it                        the folder
@@ -12,21 +13,24 @@ carry out a job:
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
+from toolpace.cutting.simulation import MEMORY
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from toolpace.cutting.compensated_program import BendingCompensation
-    from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import Stock, StockRange
     from toolpace.jobs.cut_options import CutOptions
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
@@ -39,12 +43,14 @@ if TYPE_CHECKING:
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult, SetPointDigest
-    from toolpace.results.write.cut_file import CutRecord
+    from toolpace.results.write.plan_json import CutRecord
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
 TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
 """Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
+CELL_FOR_TIMES = 0.2e-3
+"""Finest cell of a stock that is cut for the time in air and in material [m]: 10 ms at 1200 mm/min."""
 TIME_STEPS = (1e-9, 60.0)
 """Between which the time between set-points lies [s]."""
 
@@ -77,7 +83,7 @@ class Job:
     """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
-    cut: CutOptions | None = None
+    cut_options: CutOptions | None = None
     """By what the cut sets the speed; None: the program's feeds hold."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
@@ -95,23 +101,26 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
-        programmed = toolpath
+        programmed, limits = toolpath, job.cut_options
+        job = engaged_by_stock(job, steps, toolpath)
         compensation = compensated_for_bending(job, steps, toolpath)
-        within_cut = None if job.cut is None else planned_within_cut(job, job.cut, steps, toolpath)
-        if within_cut is not None:
+        if limits is not None:
+            within_cut = limits.plan(job, steps, toolpath, program_name(job))
             planned, toolpath = within_cut.plan, within_cut.fed(toolpath)
         elif compensation is None:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         else:
             planned = program_plan_of(compensation)
-        trajectory = with_proof(job, steps, planned.trajectory)
+        trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
+        cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(steps, sampled.judge)
-    cut = None if within_cut is None or job.cut is None else write.cut_part(within_cut, job.cut.rules)
-    if cut is not None:
-        verification = with_cut_verified(job, steps, verification, sampled.points, programmed, cut)
+    cut_limits = None
+    if limits is not None:
+        cut_limits = write.cut_part(within_cut, limits.rules)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -131,6 +140,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
         cut=cut,
+        cut_limits=cut_limits,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -260,20 +270,27 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
     return compensation
 
 
-def planned_within_cut(job: Job, cut: CutOptions, steps: TimedSteps, toolpath: ToolPath) -> CutLimitedPlan:
-    """The program planned as fast as its cut allows."""
-    from toolpace.path.axis_path import check_travel
-    from toolpace.planning.program_plan import effort_for
+def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
+    """The job with the deflection of its tool by what it cuts of the stock, where the tool file leaves the engagement
+    to that. Raises UsageError where the set-up sheet names no stock, or lacks a figure of the tool."""
+    if job.tool is None or not job.tool.from_stock:
+        return job
+    from toolpace.common.errors import UsageError
+    from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
 
-    with steps.step("planning within the cut") as step:
-        effort, tolerances = effort_for(job.effort, job.planner), (job.tip_tolerance, job.axis_tolerance)
-        found = cut.plan(toolpath, job.machine, job.options, tolerances, effort, job.planner, step)
-        check_travel(found.plan.trajectory.axis_path, program_name(job))
-        found = replace(found, plan=replace(found.plan, trajectory=with_cheap_bound(job, found.plan.trajectory)))
-        step.note = f"{found.plan.trajectory.mesh_points} mesh points, {found.extent}"
-    for note in found.feeds.notes:
-        steps.say(note)
-    return found
+    setup = job.options.setup
+    if setup.workpiece.stock is None:
+        raise UsageError(
+            f'{job.tool.source}: milling = "stock", and no set-up sheet names one; give it (--setup) with [stock], or '
+            "write the engagement"
+        )
+    stiff = replace(job, tool=None, effort="low")
+    trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
+    simulation = cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    with steps.step("forces"):
+        tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
+    return replace(job, tool=tool)
 
 
 def program_name(job: Job) -> str:
@@ -307,6 +324,55 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
         if len(trajectory.notes) > NOTES:
             steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     return trajectory
+
+
+def cut_motion(
+    job: Job,
+    steps: TimedSteps,
+    trajectory: Trajectory,
+    toolpath: ToolPath,
+    resolution: float | None = None,
+    memory: float = MEMORY,
+    finest: float = 0.0,
+    stock: StockRange | None = None,
+    after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
+) -> CutSimulation:
+    """What a motion cuts of the stock on the set-up sheet, or of the `stock` that another program left. Raises
+    UsageError as `simulate_cut`."""
+    from toolpace.cutting.simulation import simulate_cut
+
+    with steps.step("cutting") as step:
+        simulation = simulate_cut(
+            trajectory, toolpath, job.options.setup, resolution=resolution, memory=memory, finest=finest, stock=stock,
+            after_operation=after_operation, progress=step,
+        )  # fmt: skip
+        places = sum(len(each.stations) for each in simulation.stretches)
+        step.note = f"{places} stations, cells of {simulation.resolution * 1e3:.3g} mm"
+    return simulation
+
+
+def cut_of_known_stock(
+    job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath
+) -> CutRecord | None:
+    """The sums of what a motion cuts, where the set-up sheet names a stock; None where it does not."""
+    from toolpace.results.write.plan_json import cut_sums
+
+    if job.options.setup.workpiece.stock is None:
+        return None
+    with without_cut(steps):
+        return cut_sums(cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES))
+    return None
+
+
+@contextmanager
+def without_cut(steps: TimedSteps) -> Iterator[None]:
+    """Go on where a set-up sheet tells too little for a cut, and say what: a time does not need it."""
+    from toolpace.common.errors import UsageError
+
+    try:
+        yield
+    except UsageError as error:
+        steps.say(f"air and material are not told apart: {error}")
 
 
 def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:
@@ -366,21 +432,6 @@ def verify_motion(steps: TimedSteps, judge: MotionJudge) -> Verification:
     """The judge's word on the set-points that it has seen."""
     with steps.step("verifying"):
         return judge.judged()[0]
-
-
-def with_cut_verified(
-    job: Job, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
-    cut: tuple[CutRecord, bytes],
-) -> Verification:  # fmt: skip
-    """The judge's word, with that on the cut of the set-points along the program."""
-    from toolpace.judge.cut import checks_of_cut
-    from toolpace.motion.setpoints import in_memory
-    from toolpace.results import write
-
-    with steps.step("verifying the cut"):
-        promise = write.promise_of(cut[0], toolpath, job.options.setup, job.machine)
-        checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(cut[1]))
-        return replace(found, checks=(*found.checks, *checks))
 
 
 def write_results(job: Job, steps: TimedSteps, result: PlanResult) -> PlanRecord:

@@ -141,7 +141,7 @@ class AllowedInPlan(Allowed):
         str, Parameter(help="How far before and behind a place what its cut allows holds, beyond one cell: 0.5mm.")
     ] = "0mm"
 
-    def of_plan(self, resolution: str | None, memory: str) -> CutOptions | None:
+    def of_plan(self, resolution: str | None, memory: str, bend: str | None) -> CutOptions | None:
         """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
         from toolpace.cutting.feeds.schedule import Steps as FeedSteps
         from toolpace.jobs.cut_options import CutOptions
@@ -152,6 +152,8 @@ class AllowedInPlan(Allowed):
                     option = "--" + name.replace("_", "-")
                     raise UsageError(f"{option} goes with --feeds air, learned or limits")
             return None
+        if bend is not None:
+            raise UsageError(f"--bend goes with the program's feeds only: leave --feeds {self.feeds} out")
         steps = FeedSteps(margin=parse_length(self.margin), ratio=FINE_STEPS, shortest=0.0)
         cell_size = None if resolution is None else cell(resolution)
         return CutOptions(replace(self.rules(), steps=steps), cell_size, size(memory))

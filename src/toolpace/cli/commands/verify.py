@@ -57,7 +57,7 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         toolpath = None
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
-        cut = write.read_cut(folder, record.cut)
+        cut = write.read_cut(folder, record.cut_limits)
         profile = None if cut is None else write.profile_of(cut)
         programmed = toolpath
         if toolpath is not None and profile is not None:
@@ -80,9 +80,9 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         if found.checks[0].ok and (folder / TRAJECTORY).exists():
             own = trajectory_checks(folder, machine, setpoints, toolpath, bends=tool is not None)
             found = replace(found, checks=(*found.checks, *own))
-        if cut is not None and record.cut is not None and programmed is not None and found.checks[0].ok:
+        if cut is not None and record.cut_limits is not None and programmed is not None and found.checks[0].ok:
             with steps.step("verifying the cut"):
-                promise = write.promise_of(record.cut, programmed, options.setup, machine)
+                promise = write.promise_of(record.cut_limits, programmed, options.setup, machine)
                 found = replace(found, checks=(*found.checks, *checks_of_cut(setpoints, programmed, promise, cut)))
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))

@@ -114,6 +114,8 @@ def _row_of_plan(prepared: Prepared, record: PlanRecord) -> BatchRow:
         machine=record.machine,
         verdict="verified" if record.verified and record.usage.worst <= PROMISED else "failed",
         duration_s=record.duration_s,
+        air_s=None if record.cut is None else record.cut.air_s,
+        material_s=None if record.cut is None else record.cut.cutting_s,
         lower_bound_s=record.lower_bound_s,
         gap=record.gap,
         limited_by=record.limited_by,
@@ -176,12 +178,15 @@ def _time(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
 
 
 def _row_of_time(prepared: Prepared, figures: Mapping[str, Any]) -> BatchRow:
+    cut = figures.get("cut") or {}
     return msgspec.structs.replace(
         waiting(prepared.job),
         machine=prepared.machine.name,
         verdict="timed",
         duration_s=figures["total_s"],
         optimum_s=figures["optimum_s"],
+        air_s=cut.get("air_s"),
+        material_s=cut.get("cutting_s"),
         blocks=figures["blocks"],
         folder=prepared.folder,
         key=prepared.key,

@@ -214,7 +214,7 @@ def cut_checks(
     judge: CutJudge, file: Mapping[str, Floats | Ints], instants: int, stations: int
 ) -> list[Check]:
     """Whether what was promised of the cut is held at so many instants of the judge's choice, and whether speeds and
-    engagement, at so many stations, in the `file` of a plan (cut.npz) are those of its motion."""
+    engagement, at so many stations, in the `file` of a plan (cut_limits.npz) are those of its motion."""
     found = judge.instants(instants)
     checks = [engagement_check(judge, file, stations)]
     if judge.promise.feeds == "limits":

@@ -29,10 +29,19 @@ from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
 from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.programs.toolpath import ToolPath
-from toolpace.results.write.cut_file import CUT, cut_arrays, cut_part, profile_of, promise_of, read_cut, write_cut
+from toolpace.results.write.cut_limits import (
+    CUT_LIMITS,
+    cut_arrays,
+    cut_part,
+    profile_of,
+    promise_of,
+    read_cut,
+    write_cut,
+)
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
+    ENGAGED,
     SETUP,
     TOOL,
     PlanResult,
@@ -41,6 +50,7 @@ from toolpace.results.write.result import (
     copy_name,
     read_again,
     reading_record,
+    write_engaged,
     write_reading_options,
 )
 
@@ -143,8 +153,10 @@ def write_folder(
         write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
-        if result.cut is not None:
-            write_cut(folder / CUT, result.cut[1])
+            if result.aimed.tool.engaged is not None:
+                write_engaged(folder / ENGAGED, result.aimed.tool.engaged)
+        if result.cut_limits is not None:
+            write_cut(folder / CUT_LIMITS, result.cut_limits[1])
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -217,6 +229,7 @@ def written_files(
     points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
     motion = [points, *[TRAJECTORY] * trajectory] if points else []
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
-    how += [record.bending.tool_file] if record.bending is not None else []
-    how += [record.cut.file] if record.cut is not None else []
+    bending = record.bending
+    how += [name for name in (bending.tool_file, bending.engaged_file) if name] if bending is not None else []
+    how += [record.cut_limits.file] if record.cut_limits is not None else []
     return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

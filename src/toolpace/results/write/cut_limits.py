@@ -1,4 +1,4 @@
-"""cut.npz and what plan.json says of it: the speeds that the cut of a plan allows, and the engagement they are from."""
+"""cut_limits.npz and what plan.json says of it: the speeds that a cut allows, and the engagement they are from."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.toolpath import ToolPath
 
-CUT = "cut.npz"
+CUT_LIMITS = "cut_limits.npz"
 """Its name in the folder of a plan."""
 OF_STATIONS = ("tip", "axis", "block", "operation")
 OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
 
 
-class CutRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What held the speed by the cut."""
 
     feeds: str
@@ -51,18 +51,18 @@ class CutRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     notes: list[str] = []
 
 
-def cut_part(found: CutLimitedPlan, rules: FeedRules) -> tuple[CutRecord, bytes]:
-    """What plan.json says of a plan within its cut, and the bytes of cut.npz."""
+def cut_part(found: CutLimitedPlan, rules: FeedRules) -> tuple[CutLimitsRecord, bytes]:
+    """What plan.json says of a plan within its cut, and the bytes of cut_limits.npz."""
     data = cut_bytes(found)
     return cut_record(found, rules, data), data
 
 
-def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutRecord:
+def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimitsRecord:
     """What plan.json says of a plan within its cut, whose file holds `data`."""
     simulation = found.simulation
-    return CutRecord(
+    return CutLimitsRecord(
         feeds=rules.way,
-        file=CUT,
+        file=CUT_LIMITS,
         sha256=hashlib.sha256(data).hexdigest(),
         resolution_mm=1e3 * simulation.resolution,
         stock_guessed=simulation.guessed,
@@ -77,7 +77,7 @@ def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutRecor
 
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:
-    """cut.npz of a plan within its cut."""
+    """cut_limits.npz of a plan within its cut."""
     profile = found.toolpath.speed_profile
     arrays: dict[str, Floats | Ints] = {}
     if profile is not None:
@@ -100,7 +100,7 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     return stream.getvalue()
 
 
-def promise_of(record: CutRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise | None:
+def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise | None:
     """What a plan promises of its cut, as the judge takes it; None where the stock is a mesh, which is not judged."""
     from toolpace.cutting.stock.solids import body_of
     from toolpace.judge.cut import CutPromise, round_stock
@@ -129,13 +129,14 @@ def write_cut(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
 
 
-def read_cut(folder: Path, record: CutRecord | None) -> dict[str, Floats | Ints] | None:
-    """The arrays of cut.npz; None where the plan knows no cut. Raises UsageError where plan.json and it differ."""
-    file = folder / CUT
+def read_cut(folder: Path, record: CutLimitsRecord | None) -> dict[str, Floats | Ints] | None:
+    """The arrays of cut_limits.npz; None where the cut holds nothing. Raises UsageError where plan.json and it differ.
+    """
+    file = folder / CUT_LIMITS
     if record is None and not file.exists():
         return None
     cure = "plan again to write it anew"
-    if record is None or record.file != CUT or not file.exists():
+    if record is None or record.file != CUT_LIMITS or not file.exists():
         raise UsageError(f"{file}: plan.json and the file do not belong together; {cure}")
     try:
         data = file.read_bytes()
@@ -149,13 +150,13 @@ def read_cut(folder: Path, record: CutRecord | None) -> dict[str, Floats | Ints]
 
 
 def cut_arrays(data: bytes) -> dict[str, Floats | Ints]:
-    """The arrays in the bytes of cut.npz."""
+    """The arrays in the bytes of cut_limits.npz."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return {name: arrays[name] for name in arrays.files}
 
 
 def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:
-    """The profile of speed in cut.npz; None where there is none. Raises UsageError for what is none."""
+    """The profile of speed in cut_limits.npz; None where there is none. Raises UsageError for what is none."""
     if "place" not in arrays:
         return None
     names = tuple(str(each) for each in arrays["names"])
