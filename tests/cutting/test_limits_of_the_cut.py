@@ -14,7 +14,7 @@ import pytest
 
 import toolpace as tp
 from tests.support.cut_limit_scenes import SCENES
-from tests.support.limited_plans import FINE, limited_slot, machine
+from tests.support.limited_plans import limited_slot, machine
 from toolpace.cutting.feeds.limited_plan import CutLimitedPlan, plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
@@ -52,8 +52,9 @@ def limited(scene, name, limit, resolution):
     setup = setup_of_text(sheet)
     toolpath = tp.read_text(text, machine(), controller="linuxcnc", setup=setup)
     material = Material.load("Al7075-T6").coefficients
-    rules = FeedRules("limits", air_feed=0.1, finishing=True, steps=FINE, limits={"": CutLimits(**{name: limit})},
-                      materials={"": material})  # fmt: skip
+    rules = FeedRules(
+        "limits", air_feed=0.1, finishing=True, limits={"": CutLimits(**{name: limit})}, materials={"": material}
+    )
     plan = plan_within_cut(toolpath, machine(), setup, rules, effort="low", resolution=resolution)
     data = cut_bytes(plan)
     promise = promise_of(cut_record(plan, rules, data), toolpath, setup, machine())

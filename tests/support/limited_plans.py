@@ -10,13 +10,9 @@ import toolpace as tp
 from toolpace.cutting.feeds.limited_plan import CutLimitedPlan, plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.feeds.schedule import Steps
 from toolpace.judge.cut import round_stock
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
-
-FINE = Steps(0.0, 1.0005, 0.0)
-"""Of a plan."""
 
 
 class SLOT:
@@ -65,7 +61,7 @@ def machine() -> tp.Machine:
 def limited_slot(way: str = "limits") -> CutLimitedPlan:
     """The slot, whose chips have a limit."""
     limits = {"": CutLimits(chip=SLOT.chip)} if way == "limits" else {}
-    rules = FeedRules(way, air_feed=0.1, finishing=True, steps=FINE, limits=limits)
+    rules = FeedRules(way, air_feed=0.1, finishing=True, limits=limits)
     return plan_within_cut(
         SLOT.toolpath(), machine(), setup_of_text(SLOT.sheet), rules, effort="low", resolution=1e-3
     )

@@ -231,6 +231,8 @@ def reading_in_words(record: PlanRecord) -> str:
             tolerance = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
             words.append(f"{part} {_places_in_words(places)}" if places else tolerance)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
+        if record.cut_limits is not None:
+            words[-1] = f"speeds by its cut ({record.cut_limits.feeds})"
     else:
         words.append("limits of the machine alone, no program")
     words += [f"the tool bent as {record.bending.tool_file} says"] if record.bending is not None else []

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs import TimedSteps
     from toolpace.judge import Verification
+    from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.motion.setpoints import SetPointSource
     from toolpace.programs.reading import ReadOptions
@@ -50,12 +51,18 @@ class Planning(Protocol):
     def planner(self) -> str:
         """Its name."""
 
+    @property
+    def tool(self) -> CuttingTool | None:
+        """Whose bending is compensated."""
+
 
 @dataclass(frozen=True)
 class CutOptions:
     """What is asked of a plan within its cut."""
 
     rules: FeedRules
+    margin: float = 0.0
+    """How far before and behind a place what its cut allows holds [m]."""
     resolution: float | None = None
     """Size of a cell of the stock [m]; None: the finest that `memory` has room for."""
     memory: float = 1e9
@@ -74,13 +81,18 @@ class CutOptions:
             reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
             found = plan_within_cut(
                 toolpath, job.machine, job.options.setup, self.rules, job.tip_tolerance, job.axis_tolerance,
-                effort=effort_for(job.effort, job.planner), planner=job.planner, resolution=self.resolution,
-                memory=self.memory, reached=reached, progress=step,
+                effort=effort_for(job.effort, job.planner), planner=job.planner, margin=self.margin,
+                resolution=self.resolution, memory=self.memory, reached=reached, progress=step,
             )  # fmt: skip
             check_travel(found.plan.trajectory.axis_path, name)
             step.note = f"{found.plan.trajectory.mesh_points} mesh points, {found.extent}"
         for note in found.feeds.notes:
             steps.say(note)
+        for over in (each for each in found.feeds.overloads if each.always):
+            steps.say(
+                f"line {over.line}, tool {over.tool}: however slow, the load is {over.share:.3g} times what "
+                f"{over.limit} allows; the program's feed stays"
+            )
         return found
 
     def verified(
@@ -93,7 +105,9 @@ class CutOptions:
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
-            promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
+            promise = None
+            if job.tool is None:
+                promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
             checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
         return replace(found, checks=(*found.checks, *checks))
 

@@ -102,15 +102,17 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
         programmed, limits = toolpath, job.cut_options
-        job = engaged_by_stock(job, steps, toolpath)
-        compensation = compensated_for_bending(job, steps, toolpath)
         if limits is not None:
             within_cut = limits.plan(job, steps, toolpath, program_name(job))
-            planned, toolpath = within_cut.plan, within_cut.fed(toolpath)
-        elif compensation is None:
-            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
-        else:
+            toolpath = within_cut.fed(toolpath)
+        job = engaged_by_stock(job, steps, toolpath)
+        compensation = compensated_for_bending(job, steps, toolpath)
+        if compensation is not None:
             planned = program_plan_of(compensation)
+        elif limits is not None:
+            planned = within_cut.plan
+        else:
+            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
         cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)

@@ -28,11 +28,10 @@ if TYPE_CHECKING:
 UNITS = {
     "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
     "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
-    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "feed_marks": ("um", 1e-6),
+    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "compensated_deflection": ("um", 1e-6),
+    "feed_marks": ("um", 1e-6),
 }  # fmt: skip
 """Limits of the cut, and the unit in which each is given."""
-FINE_STEPS = 1.0005
-"""Between two speeds of a plan that are next to each other: it needs no few values."""
 SHOWN = 8
 """Teachers and overloads that are listed."""
 Way = Annotated[
@@ -49,7 +48,7 @@ Limits = Annotated[
         name="--limit",
         help="A limit of the cut, for all tools or, in its place, for one: chip=0.08mm, 3:force=400N; chip, "
         "feed_per_tooth [mm], removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], "
-        "deflection, surface_deflection, feed_marks [um]. Repeat it.",
+        "deflection, surface_deflection, compensated_deflection, feed_marks [um]. Repeat it.",
         negative=(),
         consume_multiple=False,
     ),
@@ -143,7 +142,6 @@ class AllowedInPlan(Allowed):
 
     def of_plan(self, resolution: str | None, memory: str, bend: str | None) -> CutOptions | None:
         """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
-        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
         from toolpace.jobs.cut_options import CutOptions
 
         if self.feeds == PROGRAM:
@@ -152,11 +150,12 @@ class AllowedInPlan(Allowed):
                     option = "--" + name.replace("_", "-")
                     raise UsageError(f"{option} goes with --feeds air, learned or limits")
             return None
-        if bend is not None:
-            raise UsageError(f"--bend goes with the program's feeds only: leave --feeds {self.feeds} out")
-        steps = FeedSteps(margin=parse_length(self.margin), ratio=FINE_STEPS, shortest=0.0)
         cell_size = None if resolution is None else cell(resolution)
-        return CutOptions(replace(self.rules(), steps=steps), cell_size, size(memory))
+        rules = self.rules()
+        if bend is not None:
+            # what is compensated counts by what is left of it
+            rules = replace(rules, limits={tool: each.compensated for tool, each in rules.limits.items()})
+        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory))
 
 
 AS_PROGRAMMED = AllowedInPlan()

@@ -28,6 +28,7 @@ from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
 from toolpace.cutting.feeds.limits import FEED, SOURCES
 from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.feeds.schedule import Steps
 from toolpace.cutting.simulation import MEMORY, simulate_cut
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 SMOOTH = 0.01
 """Share by which the speeds of neighbouring stations may differ for the speed to be straight between them: at an entry,
 at an exit and at a corner they differ by more."""
+FINE = 1.0005
+"""Between two speeds that are next to each other: few values are of no use here."""
 BELOW = 2e-3
 """Share of a speed by which the profile may be below it, so that it has few places."""
 
@@ -88,6 +91,7 @@ def plan_within_cut(
     *,
     effort: str = "normal",
     planner: str | Planner = "optimal",
+    margin: float = 0.0,
     resolution: float | None = None,
     memory: float = MEMORY,
     reached: Floats | None = None,
@@ -96,11 +100,13 @@ def plan_within_cut(
     """The fastest motion of a tool path within the limits of a machine whose cut is as `rules` allow.
 
     Stock and tools are those of a set-up sheet; resolution and memory as for `simulate_cut`, the rest as for
-    `plan_program`. reached: (points,) speed that the control reaches on the way to each point, by which `learned`
+    `plan_program`. margin: how far before and behind a place what its cut allows holds [m], in place of that of
+    `rules`. reached: (points,) speed that the control reaches on the way to each point, by which `learned`
     teaches [m/s]; None: that of the motion of the program's feeds. On a guessed stock no speed is above the program's.
     Raises as these two, and UsageError where `rules` need a figure that nothing tells.
     """
     check_toolpath(toolpath, "plan_within_cut")
+    rules = replace(rules, steps=Steps(margin, FINE, 0.0))
     report = CallersProgress(progress)
 
     def part(begin: float, end: float) -> Callable[[float], None]:

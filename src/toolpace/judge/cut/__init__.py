@@ -40,9 +40,11 @@ THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
 PLACE = 1e-5
 """How far a station may be from the way of the tip [m]."""
+NOT_JUDGED = "not judged: the stock is a mesh or a guess, or the tool bends"
 UNITS = {
     "chip": "m", "feed_per_tooth": "m", "removal_rate": "m3/s", "force": "N", "torque": "N m", "power": "W",
-    "moment": "N m", "stress": "Pa", "deflection": "m", "surface_deflection": "m", "feed_marks": "m",
+    "moment": "N m", "stress": "Pa", "deflection": "m", "surface_deflection": "m", "compensated_deflection": "m",
+    "feed_marks": "m",
 }  # fmt: skip
 
 
@@ -314,5 +316,5 @@ def checks_of_cut(
 ) -> list[Check]:
     """The checks of the cut of set-points along a tool path with the program's own feeds; see `cut_checks`."""
     if promise is None:
-        return [Check("cut", math.nan, 0.0, "", True, note="not judged: the stock is a mesh or a guess")]
+        return [Check("cut", math.nan, 0.0, "", True, note=NOT_JUDGED)]
     return cut_checks(CutJudge(points, toolpath, promise), file, INSTANTS, STATIONS)

@@ -74,7 +74,10 @@ def loads_of(section: Section, cutting: Cutting, velocity: Floats, axis: Floats,
         found["moment"] = moment
         found["stress"] = moment / (math.pi * beam.holder_diameter**3 / 32.0)
         found["deflection"] = float(np.linalg.norm(turned.bent[:, 0], axis=1).max())
-        found["surface_deflection"] = edge.left(turned)
+        left = edge.left(turned)
+        found["surface_deflection"] = float(np.abs(left).max(initial=0.0))
+        found["compensated_deflection"] = 0.5 * float(np.ptp(left)) if len(left) else 0.0
+        found["surface_mean"] = 0.5 * float(left.max() + left.min()) if len(left) else 0.0
     return found
 
 
@@ -189,9 +192,9 @@ class _Edge:
                 break
         return chip
 
-    def left(self, turned: _Turned) -> float:
-        """The most that deflection leaves on the surface, too much or too little [m]; 0 where none is made."""
-        tool, worst = self.tool, 0.0
+    def left(self, turned: _Turned) -> Floats:
+        """(k,) what deflection leaves on the surface at the places where the edge makes it, above zero too much [m]."""
+        tool, found = self.tool, []
         teeth, sense = tool.teeth or 1, 1.0 if tool.clockwise else -1.0
         pitch = np.array(tool.pitch) if tool.pitch else np.full(teeth, 2.0 * math.pi / teeth)
         offset = sense * np.concatenate([[0.0], np.cumsum(pitch)[:-1]])
@@ -214,8 +217,8 @@ class _Edge:
                     ]
                     off.append(-float(sine[0]) * (bent[0] * math.sin(angle) + bent[1] * math.cos(angle)))
                 # of several teeth the one that reaches furthest leaves it
-                worst = max(worst, abs(min(off)))
-        return worst
+                found.append(min(off))
+        return np.array(found)
 
     def _without_chip(self, height: float, end: float) -> float | None:
         """The angle nearest to an end at which the surface does not move outwards; None where there is none near."""
