@@ -32,10 +32,10 @@ RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspe
 RECORD = "plan.json"
 """What it leads to where the report is left out."""
 HEADINGS = (
-    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
+    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("In air", "n"), ("Gap", "n"),
     ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Limited by, or what is wrong", ""),
 )  # fmt: skip
-OPTIONAL = {"Optimum", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
+OPTIONAL = {"Optimum", "In air", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
 """Columns that are left out where no row has anything in them."""
 Number = TypeVar("Number", int, float)
 Cell = tuple[str, float | None, str]
@@ -97,7 +97,10 @@ def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
         "program", "machine", "what", "planner", "effort", "feed", "verdict", "error", "folder", "exported", "key",
         "worker",
     )  # fmt: skip
-    figures = ("tip_tolerance_mm", "axis_tolerance_deg", "duration_s", "optimum_s", "lower_bound_s", "gap", "seconds")
+    figures = (
+        "tip_tolerance_mm", "axis_tolerance_deg", "duration_s", "optimum_s", "air_s", "material_s", "lower_bound_s",
+        "gap", "seconds",
+    )  # fmt: skip
     columns = {name: pa.array([getattr(row, name) for row in rows], pa.string()) for name in text}
     columns |= {name: pa.array([getattr(row, name) for row in rows], pa.float64()) for name in figures}
     columns["limit"] = pa.array([row.limit for row in rows], pa.string())
@@ -174,6 +177,7 @@ def _cells(folder: Path, row: BatchRow) -> list[Cell]:
         (escape(row.verdict), None, verdict),
         _figure(row.duration_s, format_time),
         _figure(row.optimum_s, format_time),
+        _figure(row.air_s, format_time),
         _figure(row.gap, at_most),
         _figure(row.blocks, str),
         _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
