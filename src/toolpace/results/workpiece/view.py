@@ -72,6 +72,30 @@ def view_of_plan(trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp
         return WorkpieceView(note=str(error))
 
 
+def view_of_stock(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp) -> WorkpieceView:
+    """The stock by stages and what is around it, without what the tool meets: faster. `note` as in `view_of_plan`."""
+    from toolpace.cutting.engagement.stations import motion_stations
+    from toolpace.cutting.simulation import set_up
+    from toolpace.cutting.simulation.simulate import reach_of
+
+    machine = trajectory.axis_path.machine
+    assert machine is not None
+    around = _around(setup, machine)
+    try:
+        tools, _ = set_up.tools_in_use(toolpath, setup)
+        profiles = tuple(None if tool is None else tool.profile for tool in tools)
+        if (setup.workpiece.stock or toolpath.workpiece.stock) is None:
+            return WorkpieceView(profiles, None, *around)
+        stock = set_up.stock_body(toolpath, setup, machine, tools)[1].triangles()
+    except UsageError as error:
+        return WorkpieceView((), None, *around, note=str(error))
+    cell = float(np.ptp(stock, axis=(0, 1)).max()) / POINTS
+    reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
+    parts = motion_stations(trajectory, toolpath, cell, reach)
+    cuts = [(each, tool) for each in parts if (tool := tools[int(each.operation[-1])]) is not None and len(each) > 1]
+    return WorkpieceView(profiles, stages_of(stock, cuts, trajectory.duration), *around)
+
+
 def coarse_cut(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutSimulation:
     """What a motion cuts of the stock as its figures are, in CELLS. Raises UsageError."""
     from toolpace.cutting.simulation import set_up, simulate_cut
