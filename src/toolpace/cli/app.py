@@ -7,6 +7,7 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
+from toolpace.cli.commands import app as app_page
 from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, picture, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
@@ -36,6 +37,7 @@ Examples:
     toolpace export part-plan --to table            files that a control loads
     toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
+    toolpace app                      a page in the browser that does all of that
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
@@ -59,7 +61,7 @@ def plan_command(
     /,
     *,
     machine: options.MachineName = None,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     planner: options.PlannerName = "optimal",
     effort: options.Effort = "normal",
     prove: options.Prove = False,
@@ -121,6 +123,7 @@ def plan_command(
 
 
 app.command(batch.batch_command, name="batch", help_epilogue="")
+app.command(app_page.app_command, name="app", help_epilogue="")
 
 
 @app.command(name="verify", help_epilogue="")

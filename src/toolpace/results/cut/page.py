@@ -26,7 +26,8 @@ LISTED = 200
 """Findings in the page."""
 WORDS = {
     "rapid": "rapid through", "holder": "holder in", "shank": "shank in", "gouge": "cuts into",
-    "flute": "cuts above its flutes in", "air": "cuts nothing of",
+    "flute": "cuts above its flutes in", "left": "left above",
+    "air": "cuts nothing of",
 }  # fmt: skip
 
 
@@ -98,6 +99,10 @@ def _cards(simulation: CutSimulation, trajectory: Trajectory) -> str:
             "",
         ),
     ]
+    if simulation.above_part is not None:
+        above = simulation.above_part
+        height = f"at most {format_length(round(above.height, 6))} high"
+        figures.append(("Left above the part", _volume(above.volume), height, ""))
     return shell.cards(figures)
 
 
@@ -128,7 +133,7 @@ def _findings(findings: Sequence[Finding]) -> str:
         depth = format_time(each.seconds) if each.kind == "air" else format_length(round(each.depth, 5))
         place = " ".join(f"{letter}{x / MILLIMETRE:.2f}" for letter, x in zip("XYZ", each.place))
         by = ", ".join(part for part in (each.operation, each.tool) if part)
-        kind = "collision" if each.collision else "air"
+        kind = "collision" if each.collision else each.kind
         line = f'<button type="button" class="link" data-seek="{each.time:.6f}">{line}</button>'
         rows.append(
             f'<tr class="{kind}"><td>{line}</td><td>{escape(what)}</td><td>{depth}</td><td>{place}</td>'

@@ -33,7 +33,13 @@ empty sheet of that name is there already."""
 
 
 def whole_page(
-    room: str, name: str, title: str, fields: Mapping[str, str], data: str | None = None, scripts: Sequence[str] = ()
+    room: str,
+    name: str,
+    title: str,
+    fields: Mapping[str, str],
+    data: str | None = None,
+    scripts: Sequence[str] = (),
+    live: bool = False,
 ) -> str:
     """The HTML text of a page whose parts lie in a package: body, script and styles.
 
@@ -43,6 +49,7 @@ def whole_page(
     data: JSON that the script draws; None where it draws nothing.
     scripts: names of files in report/player/ or in the package that the script stands on, in order: then it draws
     without plotly, and with three.js where `scene` is among them.
+    live: whether the page may ask the server that it is from for more.
     """
     here, parts = files(room), files("toolpace.results.report").joinpath("player")
     body = Template(_text(here.joinpath(f"{name}.html")))
@@ -61,6 +68,7 @@ def whole_page(
         _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), *own]),
         data,
         (three_js() if "scene" in scripts else "") if scripts else None,
+        live,
     )
 
 
@@ -97,7 +105,13 @@ def _joined(scripts: Sequence[Traversable]) -> str:
 
 
 def framed(
-    title: str, body: str, style: str = "", script: str = "", data: str | None = None, library: str | None = None
+    title: str,
+    body: str,
+    style: str = "",
+    script: str = "",
+    data: str | None = None,
+    library: str | None = None,
+    live: bool = False,
 ) -> str:
     """Any body (HTML) as a page, with the styles of all pages and those of its own, and its policy.
 
@@ -118,7 +132,7 @@ def framed(
         scripts=drawn + "\n".join(f"<script>\n{each}\n</script>" for each in scripts),
     )
     # the system hands over a file's name in another encoding as halves of characters, which no file can hold
-    return with_policy(page.encode("utf-8", "backslashreplace").decode("utf-8"))
+    return with_policy(page.encode("utf-8", "backslashreplace").decode("utf-8"), live)
 
 
 def _plotly() -> str:
@@ -136,8 +150,11 @@ def cards(figures: Iterable[tuple[str, str, str, str]], between: str = "\n") -> 
     )
 
 
-def with_policy(page: str) -> str:
-    """The page with a policy for all that stands in it, right behind the declaration of its letters."""
+def with_policy(page: str, live: bool = False) -> str:
+    """The page with a policy for all that stands in it, right behind the declaration of its letters.
+
+    live: it may ask the server that it is from for more.
+    """
     held: dict[str, list[str]] = {"script": [], "style": [checksum(_EMPTY)]}
     for kind, attributes, text in _INLINE.findall(page):
         # Data is nothing that runs.
@@ -147,7 +164,7 @@ def with_policy(page: str) -> str:
     # Widths and colours of bars are attributes of their elements, and so is much of what plotly draws.
     policy = (
         f"default-src 'none'; script-src {scripts}; style-src-elem {styles}; style-src-attr 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+        "img-src data: blob:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if live else "")
     )
     before, found, behind = page.partition(_HEAD)
     if not found:

@@ -51,10 +51,13 @@ class WorkpieceView:
     """Why the stock is not shown, where the sheet names one."""
 
 
-def view_of_plan(trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp) -> WorkpieceView | None:
-    """What the sheet of a plan tells to be seen, cut coarsely along the motion; None where it tells nothing.
+def view_of_plan(
+    trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp, simulation: CutSimulation | None = None
+) -> WorkpieceView | None:
+    """What the sheet of a plan tells to be seen; None where it tells nothing.
 
-    A sheet whose stock or tools cannot be cut is no reason for a plan to fail: `note` says why.
+    Where the cut was not simulated, it is, coarsely: of a stock that the program tells. A sheet whose stock or tools
+    cannot be cut is no reason for a plan to fail: `note` says why.
     """
     machine = trajectory.axis_path.machine
     if machine is None or toolpath is None or not hasattr(trajectory, "laws"):
@@ -66,7 +69,8 @@ def view_of_plan(trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp
     try:
         if stock is None:
             return WorkpieceView((), None, *_around(setup, machine))
-        simulation = coarse_cut(trajectory, toolpath, setup, machine)
+        if simulation is None:
+            simulation = coarse_cut(trajectory, toolpath, setup, machine)
         return view_of_cut(simulation, trajectory, toolpath, setup)
     except UsageError as error:
         return WorkpieceView(note=str(error))
