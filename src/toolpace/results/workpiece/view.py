@@ -16,7 +16,6 @@ from toolpace.results.workpiece.tracks import CutTracks, cut_tracks
 
 if TYPE_CHECKING:
     from toolpace.cutting.simulation.simulate import CutSimulation, ToolInUse
-    from toolpace.machine.cutting_tool import Coefficients
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.reading.coordinates.setup import SetUp
@@ -119,11 +118,12 @@ def view_of_cut(
     setup: SetUp,
     stock: Floats | None = None,
     before: Sequence[Cut] = (),
-    material: Coefficients | None = None,
+    tracks: CutTracks | None = None,
 ) -> WorkpieceView:
     """What is to be seen of a cut. Raises UsageError.
 
     stock: triangles (n, 3, 3) [m] that other programs have cut, and `before` is along what; None: it is the sheet's.
+    tracks: what is shown over time; None: what the tool does and takes.
     """
     from toolpace.cutting.simulation import set_up
 
@@ -136,7 +136,7 @@ def view_of_cut(
         tuple(None if tool is None else tool.profile for tool in tools),
         stages_of(stock, cuts_of(simulation, tools), trajectory.duration, before),
         *_around(setup, machine),
-        cut_tracks(simulation, toolpath, trajectory.duration, material),
+        cut_tracks(simulation, toolpath, trajectory.duration) if tracks is None else tracks,
         simulation.guessed,
         simulation.resolution,
     )

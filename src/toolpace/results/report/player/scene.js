@@ -56,7 +56,8 @@ class Space {
     const kept = straightened(found.times, found.tips, 0.2 * off, (k) => {
       const middle = 0.5 * (found.times[k] + found.times[k - 1]);
       const speed = distance(found.tips[k], found.tips[k - 1]) / Math.max(found.times[k] - found.times[k - 1], 1e-9);
-      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)}`;
+      const loads = player.loads.map((load) => Math.round(SHADES * player.loadShare(load, middle)));
+      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)} ${loads}`;
     });
     this.times = Float64Array.from(kept, (k) => found.times[k]);
     this.tips = kept.map((k) => found.tips[k]);
