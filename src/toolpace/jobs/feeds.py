@@ -17,7 +17,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.jobs import TimedSteps
-from toolpace.jobs.cut import CutRequest, cut_program
+from toolpace.jobs.cut import CutRequest, ProgramCut, cut_program
 
 if TYPE_CHECKING:
     from toolpace.controls.export.cut_feeds import FeedProgram
@@ -39,11 +39,18 @@ class NewFeeds:
     controller: str
     """Empty for cutter-location data."""
     model: str
-    simulation: CutSimulation
+    cut: ProgramCut
+    """Of the program as it was."""
+    rules: FeedRules
     plan: FeedPlan
     written: FeedProgram
     before: ProgramTime
     after: ProgramTime
+
+    @property
+    def simulation(self) -> CutSimulation:
+        """What the program as it was cuts."""
+        return self.cut.simulation
 
 
 def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool, steps: TimedSteps) -> NewFeeds:
@@ -71,7 +78,7 @@ def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool,
     with steps.step("time after"):
         after = control_time(Source.from_bytes(written.data, source.name), request, options, figures)
     name = found.controller.name if found.controller is not None else ""
-    return NewFeeds(program, name, figures.model, cut.simulation, plan, written, before, after)
+    return NewFeeds(program, name, figures.model, cut, rules, plan, written, before, after)
 
 
 def control_time(

@@ -56,6 +56,9 @@ Limits = Annotated[
 Out = Annotated[
     str | None, Parameter(name=["--out", "-o"], help="File for the program with new feeds; never the input.")
 ]
+Report = Annotated[
+    str | None, Parameter(help="File for a page (x.html): feed and loads before and after over time, by operation.")
+]
 
 
 @Parameter(name="*")
@@ -126,6 +129,7 @@ def feeds_command(
     allowed: Allowed = AS_IN_AIR,
     whole_blocks: Annotated[bool, Parameter(negative=(), help="Divide no block.")] = False,
     out: Out = None,
+    report: Report = None,
     resolution: Resolution = None,
     memory: Memory = MEMORY,
     tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
@@ -148,6 +152,7 @@ def feeds_command(
         toolpace feeds part.ngc -m xyzac-trunnion --setup setup.toml --out part-air.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds learned --raise-at-most 2 -o new.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds limits --limit chip=0.08mm -o new.ngc
+        toolpace feeds part.ngc -m my-mill.toml --setup setup.toml -o new.ngc --report feeds.html
     """
     from toolpace.cli import arguments
     from toolpace.common.files import whole_file
@@ -160,6 +165,8 @@ def feeds_command(
                 raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
         if not Path(out).absolute().parent.is_dir():
             raise UsageError(f"--out {out}: its folder does not exist; make it first")
+    if report is not None:
+        page_file(report, out, program)
     tip, axis = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     rules = allowed.rules()
@@ -174,13 +181,29 @@ def feeds_command(
     if out is not None:
         with whole_file(out) as temporary:
             temporary.write_bytes(found.written.data)
+    if report is not None:
+        from toolpace.results.cut.feeds_page import feeds_page
+
+        with steps.step("writing"), whole_file(report) as temporary:
+            temporary.write_text(feeds_page(found, on.name), encoding="utf-8")
     if json:
         print_json(feeds_record(found, on.name))
     else:
         show_feeds(console, found)
-        if out is not None:
-            console.print(f"\nwritten   {printable(out)}", soft_wrap=True)
+        written = ", ".join(printable(name) for name in (out, report) if name is not None)
+        if written:
+            console.print(f"\nwritten   {written}", soft_wrap=True)
     return 0
+
+
+def page_file(report: str, out: str | None, program: str) -> None:
+    """Raise UsageError where a page cannot be written to a file, before the work that makes it."""
+    if not report.lower().endswith((".html", ".htm")):
+        raise UsageError(f"--report {report[:80]}: it is a page; name it like feeds.html")
+    if not Path(report).absolute().parent.is_dir():
+        raise UsageError(f"--report {report[:80]}: its folder does not exist; make it first")
+    if any(name is not None and Path(report).resolve() == Path(name).resolve() for name in (out, program)):
+        raise UsageError(f"--report {report[:80]}: that is the program; name another file")
 
 
 def coefficients_of(material: str) -> Coefficients:
