@@ -65,7 +65,7 @@ def test_a_program_is_inspected_and_planned_as_the_commands_do(app, planned):
 
 
 def test_the_report_is_no_page_of_the_app_and_the_program_is_loaded(app, planned):
-    part, usual, _ = planned
+    _, usual, _ = planned
     report, program = (app.ask("GET", f"/{kind}/{usual['id']}") for kind in ("report", "program"))
     assert "pocket.h" in report.text and report.headers["content-security-policy"].startswith("sandbox")
     assert program.text.startswith("BEGIN PGM POCKET MM") and program.text != KLARTEXT

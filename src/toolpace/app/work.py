@@ -134,7 +134,7 @@ def inspect_part(project: Project, part: Part) -> dict[str, Any]:
     found, _, _ = _inspected(project, part)
     refused = [each for each in found.refused if not (part.reading.lenient and each.certain)]
     record = inspection_record(dataclasses.replace(found, refused=tuple(refused)))
-    # What ends the reading though unread words are skipped, and leaves no tip to tell of, is not cured by skipping them.
+    # Where the reading ends though unread words are skipped, there is no tip, and skipping them is no cure.
     skips = found.tip is not None and not part.reading.skip_unknown
     record["cures"] = cures(refused, found.needs, skips)
     told: dict[str, Any] = msgspec.to_builtins(record)
