@@ -7,6 +7,7 @@ const FEEDS = [
   ["air", "faster in air (needs stock and tools)"], ["learned", "as loaded elsewhere in it (needs stock and tools)"],
   ["own", "another feed or factor"],
 ];
+const CUT = ["air", "learned"];
 const EFFORTS = [["low", "low: the smoothest path"], ["normal", "normal"], ["high", "high: a thorough optimisation"]];
 const OPTIONS = {
   controller: (v) => v ? `Read it as a program of ${v}` : "Name its control",
@@ -147,7 +148,7 @@ function word(part) {
 }
 function form(part) {
   const found = part.inspection, machines = found && found.machines || [];
-  forms[part.id] ??= { machine: "", tip_tolerance: "0.01mm", axis_tolerance: "0.05deg", feeds: "program", own: "3000mm/min", effort: "normal", tool_length: "" };
+  forms[part.id] ??= { machine: "", tip_tolerance: "0.01mm", axis_tolerance: "0.05deg", feeds: "program", own: "3000mm/min", air_feed: "", effort: "normal", tool_length: "" };
   const values = forms[part.id];
   if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines[0] || "";
   return values;
@@ -293,7 +294,7 @@ function planPanel(part) {
   const start = async (event) => {
     event.preventDefault();
     const request = { machine: values.machine, tip_tolerance: values.tip_tolerance, axis_tolerance: values.axis_tolerance, effort: values.effort, tool_length: values.tool_length,
-      feeds: values.feeds === "own" ? values.own : values.feeds };
+      feeds: values.feeds === "own" ? values.own : values.feeds, air_feed: CUT.includes(values.feeds) ? values.air_feed : "" };
     await go("POST", `/api/parts/${part.id}/jobs`, JSON.stringify(request));
   };
   return h("form", { onsubmit: start }, h("h2", {}, "Plan"), h("div", { class: "form" },
@@ -302,6 +303,7 @@ function planPanel(part) {
     typed("axis_tolerance", "tolerance of the tool axis"),
     select("feeds", "feeds", FEEDS, values.feeds, set("feeds")),
     values.feeds === "own" ? typed("own", "feed (3000mm/min) or factor (120%)") : "",
+    CUT.includes(values.feeds) ? typed("air_feed", "feed in air", { placeholder: "the highest of the program" }) : "",
     select("effort", "effort", EFFORTS, values.effort, set("effort")),
     typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" })),
   h("button", { type: "submit", class: "plain main", "data-focus": "start" }, "Start"));
@@ -344,7 +346,7 @@ function jobPanel(part, job, first) {
     : job.state === "waiting" ? h("span", { class: "quiet" }, `waits, ${job.before} before it`)
     : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : h("span", { class: "bad grow" }, job.error);
   const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, `feed ${request.feeds}`])[1].split(" (")[0];
-  const words = [`job ${job.number}`, request.machine, `tip ${request.tip_tolerance}`, `axis ${request.axis_tolerance}`, feeds, request.effort === "normal" ? "" : `effort ${request.effort}`,
+  const words = [`job ${job.number}`, request.machine, `tip ${request.tip_tolerance}`, `axis ${request.axis_tolerance}`, feeds, request.air_feed ? `${request.air_feed} in air` : "", request.effort === "normal" ? "" : `effort ${request.effort}`,
     request.tool_length ? `tool ${request.tool_length}` : "", job.gap ? `at most ${job.gap} above the best possible` : "", job.limits];
   return h("article", { class: "job" }, h("div", { class: "row top" }, tick, outcome, h("div", { class: "row buttons" }, buttons)),
     h("p", { class: "words" }, words.filter((word) => word).join(" · ")),

@@ -83,6 +83,8 @@ class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     axis_tolerance: str = "0.05deg"
     feeds: str = "program"
     """program: as they are; air, learned: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
+    air_feed: str = ""
+    """In air, where feeds are by the cut; empty: the highest of the program."""
     effort: str = "normal"
     tool_length: str = ""
 
@@ -263,6 +265,8 @@ class Project:
         machines = self.machines()
         if request.machine not in machines:
             raise UsageError(f"machine '{printable(request.machine[:40])}' is not there; choose one of the list")
+        if request.air_feed:
+            units.parse_feed(request.air_feed)
         return {
             "machine": machines[request.machine],
             "tip_tolerance": units.parse_length(request.tip_tolerance),

@@ -380,5 +380,6 @@ def command_of(part: Part, job: AppJob) -> str:
     if request.feeds in CUT_FEEDS:
         new = f"new-{part.program}"
         feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
+        feeds += ["--air-feed", request.air_feed] if request.air_feed else []
         return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
     return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])

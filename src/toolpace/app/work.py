@@ -227,7 +227,7 @@ def do_app_job(project: Project, job: AppJob, steps: TimedSteps) -> AppJob:
 
 def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps) -> tuple[Path, list[str]]:
     """The program with feeds by the cut, written into the folder of the job, and what was gained."""
-    from toolpace.common.units import format_time
+    from toolpace.common.units import format_time, parse_feed
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.cutting.feeds.schedule import Steps as FeedSteps
     from toolpace.jobs.cut import CutRequest
@@ -241,7 +241,11 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
         axis_tolerance=asked.axis_tolerance, effort=asked.effort, feed=None, dialect=asked.dialect,
         resolution=None, memory=MEMORY,
     )  # fmt: skip
-    rules = FeedRules(way=job.request.feeds, steps=FeedSteps(margin=1e-3, ratio=1.05, shortest=2e-3))  # type: ignore[arg-type]
+    rules = FeedRules(
+        way=job.request.feeds,  # type: ignore[arg-type]
+        air_feed=parse_feed(job.request.air_feed) if job.request.air_feed else None,
+        steps=FeedSteps(margin=1e-3, ratio=1.05, shortest=2e-3),  # as the command has them
+    )
     found = new_feeds(prepared.path, request, rules, True, steps)
     folder = project.job_folder(job.id)
     for name in part.beside:  # subprograms are looked for beside the program
