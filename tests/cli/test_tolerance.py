@@ -124,3 +124,16 @@ def test_a_place_that_is_not_in_the_program_is_told_in_a_line(tmp_path, capsys):
     assert "has no unit" in capsys.readouterr().err
     assert main(["tolerance", str(file), "-m", demo_programs.MACHINE, "--tip-tolerance", "20um,T2:5um"]) == 2
     assert "one for all here" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("asks", "places", "widest"), [(0.002, "10um,tighter", 0.002), (0.03, None, 0.01)])
+def test_a_program_that_asks_for_less_is_planned_within_it_by_default(tmp_path, capsys, asks, places, widest):
+    file, out = tmp_path / "two.ngc", tmp_path / "plan"
+    file.write_text(OPERATIONS.replace("P0.03", f"P{asks}"))
+    plan = ["plan", str(file), "-m", demo_programs.MACHINE, "--effort", "low", "--controller", "linuxcnc"]
+    assert main([*plan, "--out", str(out), "--no-report"]) == 0
+    record, told = read_plan(out), " ".join(capsys.readouterr().out.split())
+    assert record.tip_tolerances == places and record.tip_tolerance_mm == pytest.approx(widest)
+    assert 0.5 * widest < record.tip_deviation_mm <= widest * 1.001
+    assert ("less where the program asks for less" in told) == (places is not None)
+    assert main(["verify", str(out)]) == 0

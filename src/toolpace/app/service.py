@@ -34,7 +34,7 @@ from toolpace.common.files import write_text
 from toolpace.jobs.batch.folder import RESULTS
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
-from toolpace.results.compare import FEWEST, MOST
+from toolpace.results.compare.plans import FEWEST, MOST
 from toolpace.results.report.words import at_most, limit_words, percent
 
 LONGEST_TEXT = 1_000_000

@@ -274,7 +274,8 @@ def write_planned_program(project: Project, row: BatchRow, steps: TimedSteps) ->
 def draw_comparison(project: Project, task: CompareTask) -> dict[str, Any]:
     """The page of plans side by side. Raises ToolpaceError."""
     from toolpace.common.files import write_text
-    from toolpace.results.compare import compared, comparison_page
+    from toolpace.results.compare.page import comparison_page
+    from toolpace.results.compare.plans import compared
 
     found = compared([project.plans / folder for folder in task.folders])
     page = comparison_page(dataclasses.replace(found, names=task.names))

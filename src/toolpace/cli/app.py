@@ -60,7 +60,7 @@ def plan_command(
     /,
     *,
     machine: options.MachineName = None,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     planner: options.PlannerName = "optimal",
     effort: options.Effort = "normal",
     prove: options.Prove = False,

@@ -52,7 +52,10 @@ class Each:
 
     tip_tolerance: Annotated[
         list[str] | None,
-        Parameter(negative="", help="Tolerance of the tip; by default 0.01mm, or with --what time the program's."),
+        Parameter(
+            negative="",
+            help="Tolerance of the tip; by default 0.01mm, or less as the program asks; --what time: the program's.",
+        ),
     ] = None
     axis_tolerance: Annotated[
         list[str] | None,

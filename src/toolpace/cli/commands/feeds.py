@@ -128,7 +128,7 @@ def feeds_command(
     out: Out = None,
     resolution: Resolution = None,
     memory: Memory = MEMORY,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     effort: options.Effort = "normal",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,

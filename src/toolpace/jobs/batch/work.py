@@ -14,7 +14,7 @@ import msgspec
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import changed, whole_folder
 from toolpace.jobs import TimedSteps
-from toolpace.jobs.batch.job import ERROR, BatchRow, Prepared, waiting
+from toolpace.jobs.batch.job import ERROR, USUAL_AXIS, USUAL_TIP, BatchRow, Prepared, waiting
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.write import PLAN, PlanRecord, read_plan
 
@@ -82,15 +82,15 @@ def done_before(folder: Path, prepared: Prepared) -> BatchRow | None:
 
 def _plan(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.jobs import job as jobs
+    from toolpace.programs.tolerances import Tolerances
 
     job = prepared.job
-    assert job.tip_tolerance is not None and job.axis_tolerance is not None
     task = jobs.Job(
         program=Path(prepared.path),
         machine=prepared.machine,
         out=folder / prepared.folder,
-        tip_tolerance=job.tip_tolerance,
-        axis_tolerance=job.axis_tolerance,
+        tip_tolerance=job.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
+        axis_tolerance=job.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
         planner=job.planner,
         effort=job.effort,
         prove_within=job.prove_within,
@@ -114,6 +114,8 @@ def _row_of_plan(prepared: Prepared, record: PlanRecord) -> BatchRow:
         machine=record.machine,
         verdict="verified" if record.verified and record.usage.worst <= PROMISED else "failed",
         duration_s=record.duration_s,
+        air_s=None if record.cut is None else record.cut.air_s,
+        material_s=None if record.cut is None else record.cut.cutting_s,
         lower_bound_s=record.lower_bound_s,
         gap=record.gap,
         limited_by=record.limited_by,
@@ -176,12 +178,15 @@ def _time(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
 
 
 def _row_of_time(prepared: Prepared, figures: Mapping[str, Any]) -> BatchRow:
+    cut = figures.get("cut") or {}
     return msgspec.structs.replace(
         waiting(prepared.job),
         machine=prepared.machine.name,
         verdict="timed",
         duration_s=figures["total_s"],
         optimum_s=figures["optimum_s"],
+        air_s=cut.get("air_s"),
+        material_s=cut.get("cutting_s"),
         blocks=figures["blocks"],
         folder=prepared.folder,
         key=prepared.key,

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 SHOWN = 5e-3
 """Share of the time below which a limit is not, before and after."""
 STYLE = """
-.n { text-align: right; white-space: nowrap; } tr.given td { background: #f4f6f9; } tr.first td { font-weight: 640; }
+.n { white-space: nowrap; } tr.given td { background: var(--plot); } tr.first td { font-weight: 640; }
 .both .bar { padding: 1px 0; } .both .after { margin-bottom: 8px; } .both .before .fill { opacity: 0.45; }
 .both .before .share { opacity: 0.7; } pre { overflow-x: auto; font-size: 12.5px; margin: 0; }
-svg { max-width: 100%; height: auto; }
+main svg { max-width: 100%; height: auto; } main svg text { fill: var(--soft); }
 """
 At = Callable[[float, float], tuple[float, float]]
 """Place [mm] to pixels."""
@@ -51,7 +51,8 @@ def set_up_page(
     best = found.best[0]
     machine = escape(best.machine.name)
     parts = [
-        f"<header><div><h1>{escape(program)}</h1><p>where to clamp the part on <b>{machine}</b></p></div></header>",
+        f"<header><div><h1>{escape(program)}</h1><p>where to clamp the part on <b>{machine}</b></p></div>",
+        f'<div class="ends">{shell.THEME_BUTTON}</div></header>',
         "<main>",
         f'<section class="cards">{_cards(found)}</section>',
         _machines(others),

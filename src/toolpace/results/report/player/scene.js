@@ -23,6 +23,7 @@ class Space {
     this.samplePath();
     this.makePath();
     this.makeMachine();
+    this.workpiece = player.workpiece && new Workpiece(this, player.workpiece, player.arrays);
     this.mode = "part";
     this.frame();
     this.listen();
@@ -95,12 +96,8 @@ class Space {
       const { ends, broad, colours } = line.userData;
       ends.forEach((k, i) => {
         const middle = 0.5 * (this.times[k] + this.times[k - 1]);
-        if (name === "rapid") ink.set(RAPID);
-        else if (player.colouring === "limits") ink.set(player.limitColour(middle));
-        else {
-          const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
-          ink.set(speedColour(Math.min(speed / player.usual, 1)));
-        }
+        const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
+        ink.set(name === "rapid" ? RAPID : player.pathColour(middle, speed));
         colours.set([ink.r, ink.g, ink.b, ink.r, ink.g, ink.b], 6 * i);
       });
       if (broad) line.geometry.setColors(colours);
@@ -189,6 +186,8 @@ class Space {
     const w = product(machine.bodies(machine.workpiece, q).at(-1) || AT_REST, machine.frame);
     set(this.part, w);
     this.shapeTool(machine, length);
+    const shaped = !!this.workpiece && this.workpiece.pose(t, machine, length);
+    this.toolShape.visible = this.holder.visible = !shaped;
     const tip = machine.tool(q, length).tip;
     // the part, the bed, or the tip stands still
     const seen = new THREE.Matrix4();
@@ -211,6 +210,7 @@ class Space {
 
   show(layer, visible) {
     if (layer === "machine") for (const shape of this.shapes) shape.visible = visible;
+    else if (this.workpiece?.layers[layer]) this.workpiece.layers[layer].visible = visible;
     else this.lines[layer].visible = visible;
     this.draw();
   }
