@@ -173,7 +173,7 @@ class AppClient:
                 return found()
             except StopIteration:
                 time.sleep(0.02)
-        raise AssertionError(f"never there: {self.state()}")
+        raise AssertionError(f"never there: {self.state()['jobs']}")
 
 
 @contextmanager

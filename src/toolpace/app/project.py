@@ -79,8 +79,9 @@ class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """What is to be made of a part, as people write it."""
 
     machine: str
-    tip_tolerance: str = "0.01mm"
-    axis_tolerance: str = "0.05deg"
+    tip_tolerance: str = ""
+    axis_tolerance: str = ""
+    """Empty: those that commands take without, 0.01 mm and 0.05 deg or less as the program asks."""
     feeds: str = "program"
     """program: as they are; air, learned: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
     air_feed: str = ""
@@ -269,8 +270,8 @@ class Project:
             units.parse_feed(request.air_feed)
         return {
             "machine": machines[request.machine],
-            "tip_tolerance": units.parse_length(request.tip_tolerance),
-            "axis_tolerance": units.parse_angle(request.axis_tolerance),
+            "tip_tolerance": units.parse_length(request.tip_tolerance) if request.tip_tolerance else None,
+            "axis_tolerance": units.parse_angle(request.axis_tolerance) if request.axis_tolerance else None,
             "feed": None if request.feeds in ("program", *CUT_FEEDS) else request.feeds,
             "effort": request.effort,
             "tool_length": units.parse_length(request.tool_length) if request.tool_length else None,

@@ -41,8 +41,8 @@ LONGEST_TEXT = 1_000_000
 """Bytes of a set-up sheet, as its reader takes."""
 MOST_PARTS, MOST_WAITING = 1000, 1000
 """More of them are a slip, or come from elsewhere."""
-PLANNED, ASIDE = "plans", "aside"
 LIMITS_SHOWN = 2
+USUAL = "usual tolerance"
 
 
 class NotFoundError(UsageError):
@@ -264,7 +264,10 @@ class Service:
         if len(plans) != len(found) or not FEWEST <= len(found) <= MOST:
             raise UsageError(f"choose {FEWEST} to {MOST} jobs that have a plan, each for something else")
         name = "-".join(each.id for each in found)
-        names = tuple(f"{each.number}: {each.request.tip_tolerance}, {each.request.feeds}" for each in plans.values())
+        names = tuple(
+            f"job {each.number}: {each.request.tip_tolerance or USUAL}, feeds {each.request.feeds}"
+            for each in plans.values()
+        )
         key = f"compare {name}"
         self._failed.pop(key, None)
 
@@ -353,11 +356,12 @@ def _row_record(job: AppJob) -> dict[str, Any]:
     """What of a row the page shows."""
     row = job.row
     if row is None:
-        return {"verdict": "", "duration_s": None, "gap": "", "limits": "", "report": False}
+        return {"verdict": "", "duration_s": None, "air_s": None, "gap": "", "limits": "", "report": False}
     limits = sorted(row.limited_by.items(), key=lambda item: -item[1])[:LIMITS_SHOWN]
     return {
         "verdict": row.verdict,
         "duration_s": row.duration_s,
+        "air_s": row.air_s,
         "gap": "" if row.gap is None else at_most(row.gap),
         "limits": ", ".join(f"{limit_words(name)} {percent(share)}" for name, share in limits if share >= 0.01),
         "report": bool(row.folder),
@@ -368,7 +372,8 @@ def command_of(part: Part, job: AppJob) -> str:
     """The command that does the same in the folder of the part's files."""
     request, reading = job.request, job.reading
     words = ["toolpace", "plan", part.program, "-m", request.machine]
-    words += ["--tip-tolerance", request.tip_tolerance, "--axis-tolerance", request.axis_tolerance]
+    words += ["--tip-tolerance", request.tip_tolerance] if request.tip_tolerance else []
+    words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
     words += ["--effort", request.effort] if request.effort != "normal" else []
     words += ["--tool-length", request.tool_length] if request.tool_length else []
     how = ["--setup", part.sheet] if part.sheet else []

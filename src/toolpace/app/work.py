@@ -21,7 +21,7 @@ from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file
 from toolpace.common.files.toml import toml_value
 from toolpace.jobs import Step, TimedSteps
-from toolpace.jobs.batch.job import BatchRow, Loader
+from toolpace.jobs.batch.job import USUAL_AXIS, USUAL_TIP, BatchRow, Loader
 from toolpace.jobs.batch.work import MARK, Place, do_job
 from toolpace.programs.reading.source import Source
 
@@ -152,7 +152,7 @@ def _inspected(project: Project, part: Part) -> tuple[Inspection, tuple[Machine,
         prepared = Loader().prepare(project.batch_job(part, part.reading))
         source = Source.from_bytes(prepared.data, part.program)
     except ProgramError as error:
-        return unreadable(part.program, error), (), SetUp()
+        return unreadable(part.program, ProgramError(with_names_alone(str(error), project))), (), SetUp()
     setup = prepared.options.setup
     own = [Machine.load(file) for name, file in project.machines().items() if name != file]
     machines = (*prepared.machines, *(each.mounted(**setup.part) if setup.part else each for each in own))
@@ -232,14 +232,15 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
     from toolpace.cutting.feeds.schedule import Steps as FeedSteps
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import new_feeds
+    from toolpace.programs.tolerances import Tolerances
 
     asked = project.batch_job(part, job.reading, job.request)
     prepared = Loader().prepare(asked)
-    assert asked.tip_tolerance is not None and asked.axis_tolerance is not None
     request = CutRequest(
-        machine=prepared.machine, options=prepared.options, tip_tolerance=asked.tip_tolerance,
-        axis_tolerance=asked.axis_tolerance, effort=asked.effort, feed=None, dialect=asked.dialect,
-        resolution=None, memory=MEMORY,
+        machine=prepared.machine, options=prepared.options,
+        tip_tolerance=asked.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
+        axis_tolerance=asked.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
+        effort=asked.effort, feed=None, dialect=asked.dialect, resolution=None, memory=MEMORY,
     )  # fmt: skip
     rules = FeedRules(
         way=job.request.feeds,  # type: ignore[arg-type]
