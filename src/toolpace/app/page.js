@@ -123,7 +123,7 @@ function show() {
   $("folder").textContent = state.folder;
   $("footer").textContent = `toolpace ${state.version} · everything is in the folder above, and nothing leaves this computer`;
   const running = state.jobs.filter((job) => job.state === "running").length, waiting = state.jobs.filter((job) => job.state === "waiting").length;
-  $("queue").textContent = running + waiting ? `${running} running · ${waiting} waiting` : "nothing to do";
+  $("queue").textContent = running + waiting ? `${running} running · ${waiting} waiting` : "no job is running";
   if (!state.parts.some((part) => part.id === chosen)) chosen = state.parts.length ? state.parts[state.parts.length - 1].id : "";
   put($("parts"), "parts", [state.parts.map((part) => [part.id, part.program, word(part)]), chosen], () => state.parts.map((part) =>
     h("button", { type: "button", "data-focus": part.id, "aria-current": String(part.id === chosen), onclick: () => { choose(part.id); show(); } },
@@ -347,7 +347,7 @@ function jobPanel(part, job, first) {
     : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : h("span", { class: "bad grow" }, job.error);
   const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, `feed ${request.feeds}`])[1].split(" (")[0];
   const words = [`job ${job.number}`, request.machine, request.tip_tolerance ? `tip ${request.tip_tolerance}` : "usual tolerance", request.axis_tolerance ? `axis ${request.axis_tolerance}` : "", feeds, request.air_feed ? `${request.air_feed} in air` : "", request.effort === "normal" ? "" : `effort ${request.effort}`,
-    request.tool_length ? `tool ${request.tool_length}` : "", job.air_s === null ? "" : `${seconds(job.air_s)} of it at feed in air`, job.gap ? `at most ${job.gap} above the best possible` : "", job.limits];
+    request.tool_length ? `tool ${request.tool_length}` : "", job.air_s === null ? "" : `${seconds(job.air_s)} of it at feed in air`, job.gap ? `at most ${job.gap} above the best possible` : "", job.limits ? `limited by ${job.limits}` : ""];
   return h("article", { class: "job" }, h("div", { class: "row top" }, tick, outcome, h("div", { class: "row buttons" }, buttons)),
     h("p", { class: "words" }, words.filter((word) => word).join(" · ")),
     job.notes.length ? fold(`about ${job.id}`, false, h("summary", {}, "about the program to load"), list(job.notes)) : "",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import threading
 from collections.abc import Sequence
@@ -314,7 +315,7 @@ class Service:
                     **_row_record(job),
                 })  # fmt: skip
             return {
-                "version": __version__, "folder": printable(str(self.project.root)),
+                "version": __version__, "folder": shown_folder(self.project.root),
                 "machines": list(self.project.machines()), "controllers": Controller.names(),
                 "parts": parts, "jobs": jobs,
             }  # fmt: skip
@@ -348,6 +349,13 @@ class Service:
         return real
 
 
+def shown_folder(folder: Path) -> str:
+    """A folder as people write it."""
+    with contextlib.suppress(ValueError, RuntimeError):
+        return printable(f"~/{folder.relative_to(Path.home())}")
+    return printable(str(folder))
+
+
 def _added(part: Part) -> str:
     return part.added
 
@@ -357,7 +365,8 @@ def _row_record(job: AppJob) -> dict[str, Any]:
     row = job.row
     if row is None:
         return {"verdict": "", "duration_s": None, "air_s": None, "gap": "", "limits": "", "report": False}
-    limits = sorted(row.limited_by.items(), key=lambda item: -item[1])[:LIMITS_SHOWN]
+    binding = [(name, share) for name, share in row.limited_by.items() if name not in ("nothing", "dwell")]
+    limits = sorted(binding, key=lambda item: -item[1])[:LIMITS_SHOWN]
     return {
         "verdict": row.verdict,
         "duration_s": row.duration_s,
