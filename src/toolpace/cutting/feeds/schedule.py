@@ -17,7 +17,6 @@ from toolpace.common.arrays import Floats, number
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.programs.toolpath import ToolPath
 
-
 AT_A_POINT = 1e-6
 """Share of a way from its end within which a place is at the end itself."""
 
