@@ -36,7 +36,7 @@ Examples:
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
-    toolpace app                      a page in the browser that does all of that
+    toolpace app                      a page in the browser: inspect, plan, compare, export
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
