@@ -8,7 +8,7 @@ from cyclopts import App
 
 from toolpace.cli import options
 from toolpace.cli.commands import app as app_page
-from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, setup, tolerance
+from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, picture, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -35,6 +35,7 @@ Examples:
     toolpace feeds part.ngc -m xyzac-trunnion --setup s.toml -o new.ngc   the program with the feeds that its cut allows
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
+    toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
     toolpace app                      a page in the browser that does all of that
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
@@ -152,6 +153,9 @@ app.command(compare.compare_command, name="compare", help_epilogue="")
 
 
 app.command(export.export_command, name="export", help_epilogue="")
+
+
+app.command(picture.picture_command, name="picture", help_epilogue="")
 
 
 app.command(follow.follow_command, name="follow", help_epilogue="")

@@ -5,7 +5,7 @@ carry out a job:
   fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
   plan the motion along it               Trajectory; where the tool bends, both again until the bending is compensated
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
-  cut the stock of the set-up sheet      CutRecord; only where the sheet names a stock
+  cut the stock of the set-up sheet      CutSimulation; only where the sheet names a stock
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
   write all of it                        the folder
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult, SetPointDigest
-    from toolpace.results.write.plan_json import CutRecord
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -341,14 +340,12 @@ def cut_motion(
 
 def cut_of_known_stock(
     job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath
-) -> CutRecord | None:
-    """The sums of what a motion cuts, where the set-up sheet names a stock; None where it does not."""
-    from toolpace.results.write.plan_json import cut_sums
-
+) -> CutSimulation | None:
+    """What a motion cuts, where the set-up sheet names a stock; None where it does not."""
     if job.options.setup.workpiece.stock is None:
         return None
     with without_cut(steps):
-        return cut_sums(cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES))
+        return cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
     return None
 
 

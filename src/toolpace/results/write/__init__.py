@@ -154,7 +154,7 @@ def write_folder(
 
             write_report(
                 folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record,
-                digest.curves, result.program_bytes, result.options.setup,
+                digest.curves, result.program_bytes, result.options.setup, result.cut,
             )  # fmt: skip
         steps = {**record.step_s, WRITING: time.perf_counter() - began}
         record = msgspec.structs.replace(record, step_s=steps)

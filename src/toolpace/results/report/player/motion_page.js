@@ -24,6 +24,14 @@ async function start() {
     if (space) joints(player, t);
   });
 
+  for (const { name } of space ? player.loads : []) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = name;
+    button.dataset.colour = name;
+    button.setAttribute("aria-pressed", "false");
+    document.querySelector("[data-colour]").parentElement.append(button);
+  }
   for (const button of document.querySelectorAll("[data-seek]")) {
     button.addEventListener("click", () => { player.seek(button.dataset.seek); document.querySelector(".player").scrollIntoView({ block: "start" }); });
   }
