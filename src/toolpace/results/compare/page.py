@@ -31,7 +31,8 @@ HEADINGS = ("Plan", "Program", "Machine", "Time", "Against the first", "Gap", "T
 
 def comparison_page(plans: Compared) -> str:
     """The whole HTML text. Raises UsageError where files of a plan are damaged or were changed."""
-    title = f"{len(plans.names)} plans of {plans.records[0].program}" if not plans.programs_differ else "Plans compared"
+    several = f"{len(plans.names)} plans of {plans.records[0].program}"
+    title = ", ".join(plans.names) if plans.programs_differ else several
     motions = [PlannedMotion.load(folder, record) for folder, record in zip(plans.folders, plans.records)]
     limits = [(limit_words(name), times) for name, times in plans.limits if _seen(times, plans)]
     still = [name for name, motion in zip(plans.names, motions) if motion is None]
