@@ -20,9 +20,8 @@ from toolpace.results.workpiece.tracks import CutTracks
 from toolpace.results.workpiece.view import view_of_cut
 
 if TYPE_CHECKING:
-    from toolpace.controls.export.cut_feeds import FeedProgram
-    from toolpace.controls.timing.program_time import ProgramTime
-    from toolpace.cutting.feeds.feed_plan import FeedPlan, LargestLoad
+    from toolpace.cutting.feeds.feed_plan import FeedPlan
+    from toolpace.cutting.feeds.largest_loads import LargestLoad
     from toolpace.cutting.feeds.rules import FeedRules
 
 LISTED = 40
@@ -32,6 +31,48 @@ LOADS = {
     "force": ("cutting force", 1.0, "N"), "torque": ("torque", 1.0, "N m"), "power": ("power", 1.0, "W"),
     "deflection": ("deflection of the tip", 1e6, "µm"),
 }  # fmt: skip
+
+
+class PartTime(Protocol):
+    """The time of an operation on a control."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def tool(self) -> str: ...
+    @property
+    def time(self) -> float: ...
+
+
+class TimeRange(Protocol):
+    """Between which times a total is [s]."""
+
+    @property
+    def least(self) -> float: ...
+    @property
+    def most(self) -> float: ...
+
+
+class ProgramTime(Protocol):
+    """The time of a program on a control [s]."""
+
+    @property
+    def total(self) -> float: ...
+    @property
+    def parts(self) -> tuple[PartTime, ...]: ...
+    @property
+    def range(self) -> TimeRange | None: ...
+
+
+class FeedProgram(Protocol):
+    """A program with new feeds: blocks that are changed and divided, lines that go faster than allowed."""
+
+    @property
+    def changed(self) -> int: ...
+    @property
+    def divided(self) -> int: ...
+    @property
+    def above(self) -> tuple[int, ...]: ...
 
 
 class NewFeeds(Protocol):

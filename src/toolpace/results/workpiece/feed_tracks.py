@@ -11,7 +11,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.cutting.feeds.feed_plan import RATE, FeedPlan
+from toolpace.cutting.feeds.feed_plan import FeedPlan
+from toolpace.cutting.feeds.largest_loads import removal_rate
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places
 from toolpace.cutting.simulation.operation_cut import CutStretch
@@ -79,10 +80,7 @@ def loads_at(
 ) -> dict[str, Floats]:
     """By panel, (n,) at the stations of a stretch at feeds (n,) [m/s], in SI units."""
     way = np.diff(place.way, prepend=place.way[:1])
-    rate = np.divide(stretch.possible.removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
-    if len(way) > RATE:
-        # between two stations the volume is counted in cells: over RATE of them it is known
-        rate = np.convolve(rate, np.full(RATE, 1.0 / RATE), mode="same")
+    rate = removal_rate(stretch.possible.removed, way, feed)
     found: dict[str, Floats] = {"program_feed": feed, "removal": rate}
     material = rules.material_of(toolpath.operations[stretch.operation].tool)
     for forces, at in forces_of(stretch, stretch.possible, tool, toolpath, material):
