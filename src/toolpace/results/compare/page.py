@@ -160,7 +160,8 @@ def _times(
     for number, (name, times) in enumerate(rows):
         cells = ["" if time is None else format_time(time) for time in times]
         if two:
-            cells.append("" if None in times else f"{sign * ((times[0] or 0.0) - (times[1] or 0.0)):+.2f} s")
+            more = sign * ((times[0] or 0.0) - (times[1] or 0.0))
+            cells.append("" if None in times else f"{round(more, 2) + 0.0:+.2f} s")
         if feeds is not None:
             cells += ["" if feed is None else f"{four_digits(feed * MM_PER_MIN)} mm/min" for feed in feeds[number]]
         body.append(f"<tr><td>{escape(name)}</td>{''.join(f'<td class=n>{escape(cell)}</td>' for cell in cells)}</tr>")
