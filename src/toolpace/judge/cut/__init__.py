@@ -31,6 +31,8 @@ STEEP = 0.02
 """Share of a motion along the axis from which the flat end of a tool cuts, which is not judged."""
 HELD = 0.01
 """Share of a limit by which a load may pass it: what the cells of the accused stock do to an engagement."""
+LEARNED = 0.03
+"""Share by which a load may pass that of its teacher: cells tell both to about a hundredth."""
 SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 STATIONS, IMMERSION = 12, 0.03
@@ -63,6 +65,8 @@ class CutPromise:
     coefficients: Mapping[str, Coefficients]
     """Of what is cut, likewise."""
 
+    teachers: Mapping[str, Sequence[tuple[float, float, float]]]
+    """By tool: chip [m], area of the chips [m2] and length of the edge [m] that places take which teach."""
     resolution: float
     """Size of a cell of the stock that the plan was made with [m]."""
 
@@ -223,6 +227,8 @@ def cut_checks(
         checks += limit_checks(judge, found)
     if judge.promise.feeds == "air":
         checks.append(air_check(judge, found))
+    if judge.promise.feeds == "learned":
+        checks.append(learned_check(judge, found))
     return [*checks, speed_check(judge, found, file)]
 
 
@@ -269,6 +275,22 @@ def air_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
         if layer > worst.value:
             ok = layer <= worst.limit
             worst = Check(worst.what, layer, worst.limit, "m", ok, time, block, note="layer on the mean")
+    return worst
+
+
+def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
+    """Whether chip, area and edge are all within those of one teacher, wherever the tip is faster than the program's
+    feed."""
+    points, worst = judge.points, Check("load over its teacher's", 0.0, 1.0 + LEARNED, "", True)
+    for each in found:
+        if each.speed <= judge.feed(each) * (1.0 + SPEED) or not each.loads:
+            continue
+        own = np.array([each.loads[name] for name in ("chip", "area", "edge")])
+        teachers = np.array(judge.promise.teachers.get(judge.tool_of(each), ())).reshape(-1, 3)
+        share = float((own / teachers).max(axis=1).min(initial=math.inf))
+        time, block = float(points.t[each.row]), int(points.block[each.row])
+        if share > worst.value:
+            worst = Check(worst.what, share, worst.limit, "", share <= worst.limit, time, block)
     return worst
 
 

@@ -46,6 +46,8 @@ class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """By tool, "" for all; each in SI by its name."""
     materials: dict[str, dict[str, float]] = {}
     """Coefficients of the force likewise, in Pa and N/m."""
+    teachers: dict[str, list[tuple[float, float, float]]] = {}
+    """By tool: chip [m], area [m2] and edge [m] of each."""
     finishing: bool = False
     """Whether speeds are raised where a surface is made that stays, too."""
     notes: list[str] = []
@@ -71,9 +73,17 @@ def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimit
             tool: {name: float(getattr(limits, name)) for name in limits.names} for tool, limits in rules.limits.items()
         },
         materials={tool: msgspec.to_builtins(each) for tool, each in rules.materials.items()},
+        teachers=_teachers(found),
         finishing=rules.finishing,
         notes=list(found.feeds.notes),
     )
+
+
+def _teachers(found: CutLimitedPlan) -> dict[str, list[tuple[float, float, float]]]:
+    by_tool: dict[str, list[tuple[float, float, float]]] = {}
+    for each in found.feeds.teachers:
+        by_tool.setdefault(each.tool, []).append((each.chip, each.area, each.edge))
+    return by_tool
 
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:
@@ -119,6 +129,7 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
         tools=tools,
         limits=record.limits,
         coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
+        teachers=record.teachers,
         resolution=1e-3 * record.resolution_mm,
     )
 
