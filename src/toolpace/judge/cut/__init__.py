@@ -124,6 +124,13 @@ class CutJudge:
         self.poses, self.row = self._poses()
         self._found: dict[int, Instant | None] = {}
 
+    @property
+    def unseen(self) -> list[str]:
+        """Tools at feed whose shape is not judged."""
+        at_feed = np.unique(self.toolpath.operation[1:][~self.toolpath.rapid[1:]]).tolist()
+        tools = [self.promise.tools[k] for k in at_feed if self.shape_of_operation[k] < 0]
+        return sorted({each.kind for each in tools if each is not None})
+
     def _of_blocks(self) -> tuple[Ints, Bools]:
         """(n,) the operation of each set-point, and whether it is at rapid, by the line that it names."""
         path = self.toolpath
@@ -339,4 +346,8 @@ def checks_of_cut(
     """The checks of the cut of set-points along a tool path with the program's own feeds; see `cut_checks`."""
     if promise is None:
         return [Check("cut", math.nan, 0.0, "", True, note=NOT_JUDGED)]
-    return cut_checks(CutJudge(points, toolpath, promise), file, INSTANTS, STATIONS)
+    judge = CutJudge(points, toolpath, promise)
+    checks = cut_checks(judge, file, INSTANTS, STATIONS)
+    if unseen := judge.unseen:
+        checks.append(Check("cut", math.nan, 0.0, "", True, note=f"not judged: {', '.join(unseen)}"))
+    return checks

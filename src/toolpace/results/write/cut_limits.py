@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 CUT_LIMITS = "cut_limits.npz"
 """Its name in the folder of a plan."""
+MOST_SLICES = 100_000
 OF_STATIONS = ("tip", "axis", "block", "operation")
 OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
 
@@ -153,10 +154,10 @@ def read_cut(folder: Path, record: CutLimitsRecord | None) -> dict[str, Floats |
         data = file.read_bytes()
         if hashlib.sha256(data).hexdigest() != record.sha256:
             raise UsageError(f"{file}: is not the file that the plan was made with (sha256); {cure}")
-        return cut_arrays(data)
+        return checked(cut_arrays(data))
     except OSError as error:
         raise UsageError(f"{file}: cannot read: {reason(error)}") from None
-    except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
+    except (ValueError, TypeError, KeyError, zipfile.BadZipFile, EOFError):
         raise UsageError(f"{file}: is damaged; {cure}") from None
 
 
@@ -164,6 +165,24 @@ def cut_arrays(data: bytes) -> dict[str, Floats | Ints]:
     """The arrays in the bytes of cut_limits.npz."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return {name: arrays[name] for name in arrays.files}
+
+
+def checked(arrays: dict[str, Floats | Ints]) -> dict[str, Floats | Ints]:
+    """The same. Raises ValueError where one is missing, has another length, or is of no numbers."""
+    count, arcs = len(arrays["station time"]), int(arrays["engagement arcs"].sum())
+    of_arcs = {f"engagement {name}" for name in ("slice", "entry", "exit")}
+    names = [f"station {name}" for name in (*OF_STATIONS, "time", "most")]
+    names += [f"engagement {name}" for name in (*OF_TABLE, "slice_height", "arcs")]
+    for name in names:
+        found = arrays[name]
+        wide = (3,) if name in ("station tip", "station axis", "engagement feed_direction") else ()
+        if found.shape != ((arcs if name in of_arcs else count), *wide) or not np.isfinite(found).all():
+            raise ValueError(name)
+    if arcs and not 0 <= arrays["engagement slice"].min() <= arrays["engagement slice"].max() < MOST_SLICES:
+        raise ValueError("slice")
+    if not (arrays["engagement slice_height"] > 0.0).all() or (arrays["engagement arcs"] < 0).any():
+        raise ValueError("arcs")
+    return arrays
 
 
 def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:
