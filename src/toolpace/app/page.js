@@ -333,6 +333,7 @@ function jobPanel(part, job, first) {
   const act = (words, method, path) => button(words, () => go(method, path), "plain", { "data-focus": `${words} ${job.id}` });
   const buttons = [
     job.report ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/report/${job.id}`, "data-focus": `look ${job.id}` }, "Look") : null,
+    job.feeds_page ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/feeds/${job.id}`, "data-focus": `feeds ${job.id}` }, "Feeds") : null,
     job.program ? h("a", { class: "plain", href: `/program/${job.id}`, download: "", "data-focus": `load ${job.id}` }, "Load program") : null,
     ended ? button("Change", () => change(part, request), "plain", { "data-focus": `change ${job.id}` }) : act("Stop", "POST", `/api/jobs/${job.id}/stop`),
     job.state === "stopped" || (ended && job.error) ? act("Again", "POST", `/api/jobs/${job.id}/again`) : null,

@@ -36,6 +36,8 @@ MARK = ".toolpace-app"
 UPLOAD = ".upload-"
 """How the name of a file begins that is being received."""
 ID = re.compile(r"[0-9a-f]{12}")
+FEEDS_PAGE = ".feeds.html"
+"""The page of new feeds in the folder of a job; no file of a part has such a name."""
 SHEET = "setup.toml"
 """Name of a set-up sheet that is written in the page."""
 LONGEST_NAME = 200

@@ -14,6 +14,7 @@ import msgspec
 from toolpace.app.project import (
     COMPARISONS,
     CUT_FEEDS,
+    FEEDS_PAGE,
     MACHINES,
     PLANS,
     SHEET,
@@ -250,6 +251,11 @@ class Service:
             raise NotFoundError("this job has no report")
         return self._own_file(self.project.root / PLANS / row.folder / RESULTS["plan"])
 
+    def feeds_page(self, job: str) -> Path:
+        """The page of what feeds by the cut are and gain. Raises NotFoundError."""
+        self._job(job)
+        return self._own_file(self.project.job_folder(job) / FEEDS_PAGE)
+
     def program(self, job: str) -> tuple[Path, str]:
         """The program of a job that a control loads, and a name for it. Raises NotFoundError."""
         found = self._job(job)
@@ -311,6 +317,7 @@ class Service:
                     "began": entry.began if entry is not None else 0.0,
                     "steps": list(entry.steps) if entry is not None else [],
                     "error": job.error, "notes": list(job.notes), "program": bool(job.program),
+                    "feeds_page": bool(job.program) and job.request.feeds in CUT_FEEDS,
                     "command": command_of(self.project.parts[job.part], job) if job.part in self.project.parts else "",
                     **_row_record(job),
                 })  # fmt: skip
