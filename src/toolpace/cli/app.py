@@ -67,6 +67,9 @@ def plan_command(
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
     feed: options.Feed = None,
+    allowed: feeds.AllowedInPlan = feeds.AS_PROGRAMMED,
+    resolution: cut.Resolution = None,
+    memory: cut.Memory = cut.MEMORY,
     bend: options.Bend = None,
     out: options.Out = None,
     tool_length: options.ToolLength = None,
@@ -89,6 +92,7 @@ def plan_command(
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
+        toolpace plan part.ngc -m xyzac-trunnion --setup setup.toml --feeds limits --limit chip=0.08mm
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, summary
@@ -110,6 +114,7 @@ def plan_command(
         dialect=dialect,
         options=how,
         tool=arguments.tool_named(bend),
+        cut_options=allowed.of_plan(resolution, memory, bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
         npz=arguments.form_of_set_points(files.npz),
