@@ -121,7 +121,7 @@ class _Handlers:
         name = request.path_params["asset"]
         if name not in ASSETS:
             raise Refused(404, "there is nothing here")
-        text = _text("page.js")
+        text = _text("elements.js") + _text("page.js")
         if name.endswith(".css"):
             shell = files("toolpace.results.report").joinpath("shell.css").read_text(encoding="utf-8")
             text = shell + _text("page.css")

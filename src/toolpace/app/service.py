@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shlex
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,6 +23,7 @@ from toolpace.app.project import (
     Reading,
     Request,
     checked_name,
+    command_of,
     new_id,
     now,
     role_of,
@@ -382,25 +382,3 @@ def _row_record(job: AppJob) -> dict[str, Any]:
         "limits": ", ".join(f"{limit_words(name)} {percent(share)}" for name, share in limits if share >= 0.01),
         "report": bool(row.folder),
     }
-
-
-def command_of(part: Part, job: AppJob) -> str:
-    """The command that does the same in the folder of the part's files."""
-    request, reading = job.request, job.reading
-    words = ["toolpace", "plan", part.program, "-m", request.machine]
-    words += ["--tip-tolerance", request.tip_tolerance] if request.tip_tolerance else []
-    words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
-    words += ["--effort", request.effort] if request.effort != "normal" else []
-    words += ["--tool-length", request.tool_length] if request.tool_length else []
-    how = ["--setup", part.sheet] if part.sheet else []
-    how += ["--controller", part.controller or reading.controller] if part.controller or reading.controller else []
-    for name in ("dialect", "compensation", "columns", "units"):
-        how += [f"--{name}", getattr(reading, name)] if getattr(reading, name) else []
-    how += [f"--{name.replace('_', '-')}" for name in ("skip_unknown", "lenient") if getattr(reading, name)]
-    how += ["--max-blocks", str(reading.max_blocks)] if reading.max_blocks else []
-    if request.feeds in CUT_FEEDS:
-        new = f"new-{part.program}"
-        feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
-        feeds += ["--air-feed", request.air_feed] if request.air_feed else []
-        return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
-    return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])
