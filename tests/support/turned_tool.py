@@ -38,8 +38,8 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
     """Forces (steps, 3) [N] along feed, normal and axis, and torque (steps,) [N m], of station i over a turn.
 
     speed of the tip [m/s]; phase: angle of the runout from the first tooth. With `bend`, a function of heights (n,)
-    that gives (w, n) deflections per force there, also deflections (steps, w, 2) along feed and normal [m]. fine: pieces
-    of a third, without which peaks are up to 4 percent off in slices of short arcs.
+    that gives (w, n) deflections per force there, also deflections (steps, w, 2) along feed and normal [m].
+    fine: pieces of a third, without which peaks are up to 4 percent off where arcs are short.
     """
     k, sense = coefficients, 1.0 if tool.clockwise else -1.0
     count = tool.teeth

@@ -11,7 +11,6 @@ from toolpace.kernels.cutting.forces import (
     ARM,
     AXIS,
     FEED,
-    NORMAL,
     STRAIGHT,
     TIP,
     TURN,
