@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,10 +14,11 @@ from tests.support.program_with_feeds import with_feeds
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.feed_plan import plan_feeds
-from toolpace.cutting.feeds.learned import learned_speeds, teachers
+from toolpace.cutting.feeds.learned import best_of, held_loads, learned_speeds
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places, Steps, over_window, stepped
+from toolpace.cutting.feeds.teaching import load_teachers, save_teachers
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
@@ -120,9 +122,9 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
     cuts = [shoulder(rng.uniform(least, 10e-3, n), rng.uniform(1e-3, 6e-3), n) for least in (1e-3, 0.2e-3)]
     teacher, learner = (EngagedForces(each, TOOL, Coefficients(1e9, 1e9)) for each in cuts)
     speed = np.full(n, 0.03)
-    best = teachers(teacher, speed, places(n).way, np.ones(n, dtype=bool))
+    best = best_of(held_loads(teacher, speed, places(n).way, np.ones(n, dtype=bool)))
     assert len(best) > 0
-    allowed, which = learned_speeds(learner, best, speed)
+    allowed, which = learned_speeds(learner.loads(speed), best, speed)
     for _ in range(4):
         material = Coefficients(rng.uniform(0.0, 2e9), 0.0, 0.0, rng.uniform(0.0, 5e4), 0.0)
         most = EngagedForces(teacher.engagement, TOOL, material).loads(speed).torque.max()
@@ -181,6 +183,75 @@ def fed(program, rules, controller=None):
     new = with_feeds(toolpath, machine, list(feeds.places), list(feeds.feeds))
     at_feed = ~new.rapid & (new.way_length > 0.0)
     return new.tip[at_feed], new.most_speed[at_feed]
+
+
+SHALLOW = (
+    "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\n(OPERATION: deep)\nG0 X-30 Y0 Z20\nG0 Z-6\nG1 X90 F600\nG0 Z20\n"
+    "G0 X-30 Y14\nG0 Z-2\nG1 X90\nG0 Z20\nM30\n"
+)
+FINISHING = FeedRules("learned", air_feed=0.05, finishing=True)
+
+
+def learned(text, rules):
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
+    toolpath = tp.read_text(text, machine, setup=setup)
+    simulation = tp.simulate_cut(
+        tp.plan_program(toolpath, machine, effort="low").trajectory, toolpath, setup, resolution=1e-3
+    )
+    return plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
+
+
+def test_teachers_are_listed_left_out_and_taken_from_another_program(tmp_path):
+    plan = learned(SHALLOW, FINISHING)
+    assert {each.line for each in plan.teachers} == {8} and plan.teachers[0].seconds > 1.0
+    save_teachers(plan.teachers, "deep.ngc", tmp_path)
+    others = load_teachers(tmp_path)
+    assert {each.program for each in others} == {"deep.ngc"} and others[0].figures == plan.teachers[0].figures
+    without = learned(SHALLOW, replace(FINISHING, not_teaching=frozenset(["8"])))
+    assert {each.line for each in without.teachers} == {12}
+    # at half of the feed the other program allows what that program has
+    slow = SHALLOW.replace("F600", "F300")
+    faster, alone = (learned(slow, replace(FINISHING, teachers=each)) for each in (others, ()))
+    time = [sum(each.after for each in plan.operations) for plan in (faster, alone)]
+    assert time[0] < 0.8 * time[1]
+    assert {each.program for each in faster.teachers} == {"", "deep.ngc"}
+    # a tool with other figures learns nothing from it
+    other = tuple(replace(each, figures=each.figures | {"teeth": "4"}) for each in others)
+    assert sum(each.after for each in learned(slow, replace(FINISHING, teachers=other)).operations) == time[1]
+
+
+@pytest.mark.parametrize("text", ["{}", "[1]", '{"teachers": [{"line": 3}]}', "no", '{"teachers": [7]}'])
+def test_a_file_of_teachers_that_is_damaged_is_refused(tmp_path, text):
+    with pytest.raises(UsageError, match="--save-teachers"):
+        load_teachers(tmp_path)
+    (tmp_path / "teachers.json").write_text(text)
+    with pytest.raises(UsageError, match="is no file of teachers"):
+        load_teachers(tmp_path)
+
+
+def test_what_stays_is_told_with_its_reason_and_a_guess_tells_what_might_be(cut):
+    _, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1))
+    stays = sum(each.seconds for each in plan.kept)
+    assert any("something may be cut" in each.reason for each in plan.kept)
+    # 240 mm at 10 mm/s, of which 2 * 60 mm and the margins are in material
+    assert 12.0 < stays < 18.0
+    named = replace(toolpath, operations=tuple(replace(each, name="pocket") for each in toolpath.operations))
+    left = plan_feeds(simulation, named, tools, FeedRules(left_alone=frozenset(["pocket"])))
+    assert [each.reason for each in left.kept] == ["the operation is left as it is (--leave)"]
+    guess = replace(simulation, left=replace(simulation.left, guessed=True))
+    note = plan_feeds(guess, toolpath, tools, FeedRules(air_feed=0.1)).notes[-1]
+    assert "[[-35.0, -5.0, -2.0], [95.0, 19.0, " in note and "its 24.00 s at feed would be 15." in note
+
+
+def test_an_answer_that_hangs_on_a_moment_says_so():
+    """A short way straight into the side has thicker chips than the shoulders, which learn from it."""
+    shoulders = "".join(f"G0 X-6 Y{y}\nG0 Z-6\nG1 X65\nG0 Z20\n" for y in (-23.5, -22.0, -20.5, -19.0, -17.5))
+    into = "G0 X66.5 Y10\nG0 Z-9\nG1 X62.5\nG0 Z20\n"
+    plan = learned("G21 G90 G54 G17 F600\nT1 M6\nG43 H1\nS6000 M3\nG0 Z20\n" + shoulders + into + "M30\n", FINISHING)
+    assert any("hangs on few teachers" in each for each in plan.notes)
+    assert not any("hangs on few teachers" in each for each in learned(SHALLOW, FINISHING).notes)
 
 
 BEGIN = "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\nG0 X-30 Y0 Z20\nG0 Z-2\n"

@@ -119,7 +119,8 @@ def asked(
             came.append(message.get("body", b""))
 
     asyncio.run(app(scope, receive, send))
-    return Answer(started["status"], {name.decode(): value.decode() for name, value in started["headers"]}, b"".join(came))
+    named = {name.decode(): value.decode() for name, value in started["headers"]}
+    return Answer(started["status"], named, b"".join(came))
 
 
 @dataclass
@@ -172,7 +173,7 @@ class AppClient:
                 return found()
             except StopIteration:
                 time.sleep(0.02)
-        raise AssertionError(f"never there: {self.state()}")
+        raise AssertionError(f"never there: {self.state()['jobs']}")
 
 
 @contextmanager

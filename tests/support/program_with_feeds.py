@@ -9,6 +9,7 @@ import numpy as np
 from toolpace.cutting.feeds.schedule import AT_A_POINT, ends_of_pieces
 from toolpace.cutting.prediction import with_points
 
+
 def with_feeds(toolpath, machine, places, feeds):
     """The program with other feeds: on the way to each station of each stretch that of `feeds`.
 

@@ -43,8 +43,7 @@ def serving(folder: str | Path, port: int = 0) -> Iterator[Serving]:
     server.refuse_without_extra()
     root = Path(folder).expanduser().absolute()
     project = Project(root)
-    project.load()
-    with batch_folder(project.plans), server.loopback(port) as listening:
+    with project.held(), batch_folder(project.plans), server.loopback(port) as listening:
         token = server.new_token()
         service = Service(project, WorkerProcess(root), WorkerProcess(root))
         try:

@@ -7,6 +7,7 @@ const FEEDS = [
   ["air", "faster in air (needs stock and tools)"], ["learned", "as loaded elsewhere in it (needs stock and tools)"],
   ["own", "another feed or factor"],
 ];
+const CUT = ["air", "learned"];
 const EFFORTS = [["low", "low: the smoothest path"], ["normal", "normal"], ["high", "high: a thorough optimisation"]];
 const OPTIONS = {
   controller: (v) => v ? `Read it as a program of ${v}` : "Name its control",
@@ -100,6 +101,7 @@ async function upload(files) {
   for (const file of [...files].sort((a, b) => later.test(a.name) - later.test(b.name))) {
     if (state && file.size > state.largest) { told.push(`${file.name}: is too large; ${Math.floor(state.largest / 1e6)} MB at most are taken`); continue; }
     const beside = later.test(file.name) && chosen ? `&part=${encodeURIComponent(chosen)}` : "";
+    if (!await file.slice(0, 1).arrayBuffer().catch(() => null)) { told.push(`${file.name}: cannot be read; drop the files of a folder, not the folder`); continue; }
     try {
       const found = await call("POST", `/api/files?name=${encodeURIComponent(file.name)}${beside}`, file);
       if (found.part) choose(found.part);
@@ -122,7 +124,7 @@ function show() {
   $("folder").textContent = state.folder;
   $("footer").textContent = `toolpace ${state.version} · everything is in the folder above, and nothing leaves this computer`;
   const running = state.jobs.filter((job) => job.state === "running").length, waiting = state.jobs.filter((job) => job.state === "waiting").length;
-  $("queue").textContent = running + waiting ? `${running} running · ${waiting} waiting` : "nothing to do";
+  $("queue").textContent = running + waiting ? `${running} running · ${waiting} waiting` : "no job is running";
   if (!state.parts.some((part) => part.id === chosen)) chosen = state.parts.length ? state.parts[state.parts.length - 1].id : "";
   put($("parts"), "parts", [state.parts.map((part) => [part.id, part.program, word(part)]), chosen], () => state.parts.map((part) =>
     h("button", { type: "button", "data-focus": part.id, "aria-current": String(part.id === chosen), onclick: () => { choose(part.id); show(); } },
@@ -147,7 +149,7 @@ function word(part) {
 }
 function form(part) {
   const found = part.inspection, machines = found && found.machines || [];
-  forms[part.id] ??= { machine: "", tip_tolerance: "0.01mm", axis_tolerance: "0.05deg", feeds: "program", own: "3000mm/min", effort: "normal", tool_length: "" };
+  forms[part.id] ??= { machine: "", tip_tolerance: "", axis_tolerance: "", feeds: "program", own: "3000mm/min", air_feed: "", effort: "normal", tool_length: "" };
   const values = forms[part.id];
   if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines[0] || "";
   return values;
@@ -293,15 +295,16 @@ function planPanel(part) {
   const start = async (event) => {
     event.preventDefault();
     const request = { machine: values.machine, tip_tolerance: values.tip_tolerance, axis_tolerance: values.axis_tolerance, effort: values.effort, tool_length: values.tool_length,
-      feeds: values.feeds === "own" ? values.own : values.feeds };
+      feeds: values.feeds === "own" ? values.own : values.feeds, air_feed: CUT.includes(values.feeds) ? values.air_feed : "" };
     await go("POST", `/api/parts/${part.id}/jobs`, JSON.stringify(request));
   };
   return h("form", { onsubmit: start }, h("h2", {}, "Plan"), h("div", { class: "form" },
     select("machine", "machine", machines, values.machine, set("machine")),
-    typed("tip_tolerance", "tolerance of the tip"),
-    typed("axis_tolerance", "tolerance of the tool axis"),
+    typed("tip_tolerance", "tolerance of the tip", { placeholder: "0.01mm, or less as it asks" }),
+    typed("axis_tolerance", "tolerance of the tool axis", { placeholder: "0.05deg, or less as it asks" }),
     select("feeds", "feeds", FEEDS, values.feeds, set("feeds")),
     values.feeds === "own" ? typed("own", "feed (3000mm/min) or factor (120%)") : "",
+    CUT.includes(values.feeds) ? typed("air_feed", "feed in air", { placeholder: "the highest of the program" }) : "",
     select("effort", "effort", EFFORTS, values.effort, set("effort")),
     typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" })),
   h("button", { type: "submit", class: "plain main", "data-focus": "start" }, "Start"));
@@ -344,8 +347,8 @@ function jobPanel(part, job, first) {
     : job.state === "waiting" ? h("span", { class: "quiet" }, `waits, ${job.before} before it`)
     : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : h("span", { class: "bad grow" }, job.error);
   const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, `feed ${request.feeds}`])[1].split(" (")[0];
-  const words = [`job ${job.number}`, request.machine, `tip ${request.tip_tolerance}`, `axis ${request.axis_tolerance}`, feeds, request.effort === "normal" ? "" : `effort ${request.effort}`,
-    request.tool_length ? `tool ${request.tool_length}` : "", job.gap ? `at most ${job.gap} above the best possible` : "", job.limits];
+  const words = [`job ${job.number}`, request.machine, request.tip_tolerance ? `tip ${request.tip_tolerance}` : "usual tolerance", request.axis_tolerance ? `axis ${request.axis_tolerance}` : "", feeds, request.air_feed ? `${request.air_feed} in air` : "", request.effort === "normal" ? "" : `effort ${request.effort}`,
+    request.tool_length ? `tool ${request.tool_length}` : "", job.air_s === null ? "" : `${seconds(job.air_s)} of it at feed in air`, job.gap ? `at most ${job.gap} above the best possible` : "", job.limits ? `limited by ${job.limits}` : ""];
   return h("article", { class: "job" }, h("div", { class: "row top" }, tick, outcome, h("div", { class: "row buttons" }, buttons)),
     h("p", { class: "words" }, words.filter((word) => word).join(" · ")),
     job.notes.length ? fold(`about ${job.id}`, false, h("summary", {}, "about the program to load"), list(job.notes)) : "",

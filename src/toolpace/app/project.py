@@ -15,6 +15,7 @@ import secrets
 import shutil
 import tomllib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -24,11 +25,14 @@ import msgspec
 from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.files import reason, whole_file
 from toolpace.jobs.batch import BatchJob, BatchRow
+from toolpace.kernels.lock import FileLock, NoLocksError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
 
 PARTS, JOBS, MACHINES, PLANS, COMPARISONS = "parts", "jobs", "machines", "plans", "comparisons"
 PART, JOB, FILES = "part.json", "job.json", "files"
+MARK = ".toolpace-app"
+"""A file by which the folder is known, locked by the server that has it."""
 UPLOAD = ".upload-"
 """How the name of a file begins that is being received."""
 ID = re.compile(r"[0-9a-f]{12}")
@@ -79,10 +83,13 @@ class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """What is to be made of a part, as people write it."""
 
     machine: str
-    tip_tolerance: str = "0.01mm"
-    axis_tolerance: str = "0.05deg"
+    tip_tolerance: str = ""
+    axis_tolerance: str = ""
+    """Empty: those that commands take without, 0.01 mm and 0.05 deg or less as the program asks."""
     feeds: str = "program"
     """program: as they are; air, learned: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
+    air_feed: str = ""
+    """In air, where feeds are by the cut; empty: the highest of the program."""
     effort: str = "normal"
     tool_length: str = ""
 
@@ -156,6 +163,27 @@ class Project:
         self.root = root
         self.parts: dict[str, Part] = {}
         self.jobs: dict[str, AppJob] = {}
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Keep other servers out of the folder, and load it. Raises UsageError where one is there, or the folder holds
+        anything else."""
+        with FileLock(self.root / MARK) as lock:
+            self._take(lock)
+            self.load()
+            yield
+
+    def _take(self, lock: FileLock) -> None:
+        try:
+            if self.root.is_dir() and any(self.root.iterdir()) and not (self.root / MARK).is_file():
+                raise UsageError(f"{self.root}: is not empty, and no folder of the app; give another --folder")
+            if lock.take():
+                return
+        except NoLocksError:  # nobody can be kept out there
+            return
+        except (OSError, ValueError) as error:
+            raise UsageError(f"{self.root}: {reason(error)}; give another --folder") from None
+        raise UsageError(f"{self.root}: the app runs there already; go on in its page, or give another --folder")
 
     def load(self) -> None:
         """Make what is missing, remove what a killed server left half done, and read the rest. Raises UsageError."""
@@ -263,10 +291,12 @@ class Project:
         machines = self.machines()
         if request.machine not in machines:
             raise UsageError(f"machine '{printable(request.machine[:40])}' is not there; choose one of the list")
+        if request.air_feed:
+            units.parse_feed(request.air_feed)
         return {
             "machine": machines[request.machine],
-            "tip_tolerance": units.parse_length(request.tip_tolerance),
-            "axis_tolerance": units.parse_angle(request.axis_tolerance),
+            "tip_tolerance": units.parse_length(request.tip_tolerance) if request.tip_tolerance else None,
+            "axis_tolerance": units.parse_angle(request.axis_tolerance) if request.axis_tolerance else None,
             "feed": None if request.feeds in ("program", *CUT_FEEDS) else request.feeds,
             "effort": request.effort,
             "tool_length": units.parse_length(request.tool_length) if request.tool_length else None,

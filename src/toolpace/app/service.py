@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import threading
 from collections.abc import Sequence
@@ -41,8 +42,8 @@ LONGEST_TEXT = 1_000_000
 """Bytes of a set-up sheet, as its reader takes."""
 MOST_PARTS, MOST_WAITING = 1000, 1000
 """More of them are a slip, or come from elsewhere."""
-PLANNED, ASIDE = "plans", "aside"
 LIMITS_SHOWN = 2
+USUAL = "usual tolerance"
 
 
 class NotFoundError(UsageError):
@@ -264,7 +265,10 @@ class Service:
         if len(plans) != len(found) or not FEWEST <= len(found) <= MOST:
             raise UsageError(f"choose {FEWEST} to {MOST} jobs that have a plan, each for something else")
         name = "-".join(each.id for each in found)
-        names = tuple(f"{each.number}: {each.request.tip_tolerance}, {each.request.feeds}" for each in plans.values())
+        names = tuple(
+            f"job {each.number}: {each.request.tip_tolerance or USUAL}, feeds {each.request.feeds}"
+            for each in plans.values()
+        )
         key = f"compare {name}"
         self._failed.pop(key, None)
 
@@ -311,7 +315,7 @@ class Service:
                     **_row_record(job),
                 })  # fmt: skip
             return {
-                "version": __version__, "folder": printable(str(self.project.root)),
+                "version": __version__, "folder": shown_folder(self.project.root),
                 "machines": list(self.project.machines()), "controllers": Controller.names(),
                 "parts": parts, "jobs": jobs,
             }  # fmt: skip
@@ -345,6 +349,13 @@ class Service:
         return real
 
 
+def shown_folder(folder: Path) -> str:
+    """A folder as people write it."""
+    with contextlib.suppress(ValueError, RuntimeError):
+        return printable(f"~/{folder.relative_to(Path.home())}")
+    return printable(str(folder))
+
+
 def _added(part: Part) -> str:
     return part.added
 
@@ -353,11 +364,13 @@ def _row_record(job: AppJob) -> dict[str, Any]:
     """What of a row the page shows."""
     row = job.row
     if row is None:
-        return {"verdict": "", "duration_s": None, "gap": "", "limits": "", "report": False}
-    limits = sorted(row.limited_by.items(), key=lambda item: -item[1])[:LIMITS_SHOWN]
+        return {"verdict": "", "duration_s": None, "air_s": None, "gap": "", "limits": "", "report": False}
+    binding = [(name, share) for name, share in row.limited_by.items() if name not in ("nothing", "dwell")]
+    limits = sorted(binding, key=lambda item: -item[1])[:LIMITS_SHOWN]
     return {
         "verdict": row.verdict,
         "duration_s": row.duration_s,
+        "air_s": row.air_s,
         "gap": "" if row.gap is None else at_most(row.gap),
         "limits": ", ".join(f"{limit_words(name)} {percent(share)}" for name, share in limits if share >= 0.01),
         "report": bool(row.folder),
@@ -368,7 +381,8 @@ def command_of(part: Part, job: AppJob) -> str:
     """The command that does the same in the folder of the part's files."""
     request, reading = job.request, job.reading
     words = ["toolpace", "plan", part.program, "-m", request.machine]
-    words += ["--tip-tolerance", request.tip_tolerance, "--axis-tolerance", request.axis_tolerance]
+    words += ["--tip-tolerance", request.tip_tolerance] if request.tip_tolerance else []
+    words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
     words += ["--effort", request.effort] if request.effort != "normal" else []
     words += ["--tool-length", request.tool_length] if request.tool_length else []
     how = ["--setup", part.sheet] if part.sheet else []
@@ -380,5 +394,6 @@ def command_of(part: Part, job: AppJob) -> str:
     if request.feeds in CUT_FEEDS:
         new = f"new-{part.program}"
         feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
+        feeds += ["--air-feed", request.air_feed] if request.air_feed else []
         return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
     return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])

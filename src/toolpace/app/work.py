@@ -21,7 +21,7 @@ from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file
 from toolpace.common.files.toml import toml_value
 from toolpace.jobs import Step, TimedSteps
-from toolpace.jobs.batch.job import BatchRow, Loader
+from toolpace.jobs.batch.job import USUAL_AXIS, USUAL_TIP, BatchRow, Loader
 from toolpace.jobs.batch.work import MARK, Place, do_job
 from toolpace.programs.reading.source import Source
 
@@ -134,7 +134,7 @@ def inspect_part(project: Project, part: Part) -> dict[str, Any]:
     found, _, _ = _inspected(project, part)
     refused = [each for each in found.refused if not (part.reading.lenient and each.certain)]
     record = inspection_record(dataclasses.replace(found, refused=tuple(refused)))
-    # What ends the reading though unread words are skipped, and leaves no tip to tell of, is not cured by skipping them.
+    # Where the reading ends though unread words are skipped, there is no tip, and skipping them is no cure.
     skips = found.tip is not None and not part.reading.skip_unknown
     record["cures"] = cures(refused, found.needs, skips)
     told: dict[str, Any] = msgspec.to_builtins(record)
@@ -152,7 +152,7 @@ def _inspected(project: Project, part: Part) -> tuple[Inspection, tuple[Machine,
         prepared = Loader().prepare(project.batch_job(part, part.reading))
         source = Source.from_bytes(prepared.data, part.program)
     except ProgramError as error:
-        return unreadable(part.program, error), (), SetUp()
+        return unreadable(part.program, ProgramError(with_names_alone(str(error), project))), (), SetUp()
     setup = prepared.options.setup
     own = [Machine.load(file) for name, file in project.machines().items() if name != file]
     machines = (*prepared.machines, *(each.mounted(**setup.part) if setup.part else each for each in own))
@@ -227,21 +227,26 @@ def do_app_job(project: Project, job: AppJob, steps: TimedSteps) -> AppJob:
 
 def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps) -> tuple[Path, list[str]]:
     """The program with feeds by the cut, written into the folder of the job, and what was gained."""
-    from toolpace.common.units import format_time
+    from toolpace.common.units import format_time, parse_feed
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.cutting.feeds.schedule import Steps as FeedSteps
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import new_feeds
+    from toolpace.programs.tolerances import Tolerances
 
     asked = project.batch_job(part, job.reading, job.request)
     prepared = Loader().prepare(asked)
-    assert asked.tip_tolerance is not None and asked.axis_tolerance is not None
     request = CutRequest(
-        machine=prepared.machine, options=prepared.options, tip_tolerance=asked.tip_tolerance,
-        axis_tolerance=asked.axis_tolerance, effort=asked.effort, feed=None, dialect=asked.dialect,
-        resolution=None, memory=MEMORY,
+        machine=prepared.machine, options=prepared.options,
+        tip_tolerance=asked.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
+        axis_tolerance=asked.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
+        effort=asked.effort, feed=None, dialect=asked.dialect, resolution=None, memory=MEMORY,
     )  # fmt: skip
-    rules = FeedRules(way=job.request.feeds, steps=FeedSteps(margin=1e-3, ratio=1.05, shortest=2e-3))  # type: ignore[arg-type]
+    rules = FeedRules(
+        way=job.request.feeds,  # type: ignore[arg-type]
+        air_feed=parse_feed(job.request.air_feed) if job.request.air_feed else None,
+        steps=FeedSteps(margin=1e-3, ratio=1.05, shortest=2e-3),  # as the command has them
+    )
     found = new_feeds(prepared.path, request, rules, True, steps)
     folder = project.job_folder(job.id)
     for name in part.beside:  # subprograms are looked for beside the program

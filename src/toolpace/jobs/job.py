@@ -5,7 +5,7 @@ carry out a job:
   fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
   plan the motion along it               Trajectory; where the tool bends, both again until the bending is compensated
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
-  cut the stock of the set-up sheet      CutRecord; only where the sheet names a stock
+  cut the stock of the set-up sheet      CutSimulation; only where the sheet names a stock
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
   write all of it                        the folder
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.cutting.simulation.stock_range import Stock, StockRange
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write import PlanRecord, PlanResult, SetPointDigest
-    from toolpace.results.write.plan_json import CutRecord
 
 NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
@@ -82,6 +82,8 @@ class Job:
     """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
+    cut_options: CutOptions | None = None
+    """By what the cut sets the speed; None: the program's feeds hold."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
@@ -98,18 +100,28 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
+        programmed, limits = toolpath, job.cut_options
+        if limits is not None:
+            within_cut = limits.plan(job, steps, toolpath, program_name(job))
+            toolpath = within_cut.fed(toolpath)
         job = engaged_by_stock(job, steps, toolpath)
         compensation = compensated_for_bending(job, steps, toolpath)
-        if compensation is None:
-            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
-        else:
+        if compensation is not None:
             planned = program_plan_of(compensation)
-        trajectory = with_proof(job, steps, planned.trajectory)
+        elif limits is not None:
+            planned = within_cut.plan
+        else:
+            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
+        trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
         cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(steps, sampled.judge)
+    cut_limits = None
+    if limits is not None:
+        cut_limits = write.cut_part(within_cut, limits.rules)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -129,6 +141,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
         cut=cut,
+        cut_limits=cut_limits,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -341,14 +354,12 @@ def cut_motion(
 
 def cut_of_known_stock(
     job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath
-) -> CutRecord | None:
-    """The sums of what a motion cuts, where the set-up sheet names a stock; None where it does not."""
-    from toolpace.results.write.plan_json import cut_sums
-
+) -> CutSimulation | None:
+    """What a motion cuts, where the set-up sheet names a stock; None where it does not."""
     if job.options.setup.workpiece.stock is None:
         return None
     with without_cut(steps):
-        return cut_sums(cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES))
+        return cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
     return None
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import sys
 import threading
 import webbrowser
 from typing import Annotated
@@ -17,6 +19,11 @@ from toolpace.common.errors import UsageError, printable
 FOLDER = "~/toolpace-app"
 """Where programs and results are kept unless told."""
 LARGEST_PORT = 65535
+
+
+def has_screen() -> bool:
+    """Whether a browser has where to show a page: in a terminal it would take the terminal."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def app_command(
@@ -50,7 +57,7 @@ def app_command(
         console.print(Text(printable(f"folder       {app.folder}")), soft_wrap=True)
         console.print(Text(f"open         {app.address}"), soft_wrap=True)
         console.print("stop         Ctrl-C", soft_wrap=True)
-        if not no_browser:
+        if not no_browser and has_screen():
             # Some browsers return when they are closed.
             threading.Thread(target=webbrowser.open, args=(app.address,), daemon=True).start()
         with contextlib.suppress(KeyboardInterrupt):

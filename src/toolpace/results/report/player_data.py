@@ -184,12 +184,16 @@ def _tracks(found: CutTracks, arrays: PackedArrays) -> dict[str, object]:
         "panels": [{"name": name, "title": PANELS[name]} for name in names],
         "tracks": [
             {
-                "name": each.name, "panel": each.panel, "unit": each.unit,
-                "data": arrays.add(each.values, max(float(each.values.max(initial=0.0)), 1e-9) / STEPS),
+                "name": each.name, "panel": each.panel, "unit": each.unit, "role": each.role,
+                "data": arrays.add(each.values, max(float(np.nan_to_num(each.values).max(initial=0.0)), 1e-9) / STEPS),
             }
             for each in found.tracks
         ],
         "states": {"names": STATES, "data": arrays.add(found.state)},
+        "loads": [
+            {"name": (f"{each.panel} {each.role}" if each.role else each.name).capitalize(), "track": k}
+            for k, each in found.loads()
+        ],
     }  # fmt: skip
 
 

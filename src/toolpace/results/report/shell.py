@@ -1,4 +1,4 @@
-"""The frame of every page: head, styles, data, chart library, script, and a content security policy.
+"""The frame of every page: head, styles, data, scripts, and a content security policy.
 
 Scripts and style sheets run where their checksums are those of the ones written here; whatever found its way in by the
 name of a program does not. There is no network.
@@ -25,11 +25,6 @@ THEME_BUTTON = (
     "</svg></button>"
 )
 """Switches the colours of a page."""
-_EMPTY = ""
-"""plotly makes an empty style sheet and puts its rules into it one by one."""
-_SHEET = re.compile(r'getElementById\("([0-9a-f]{64})"\)')
-"""What plotly looks for before it adds its style sheet of maps, which would be refused, with a word in the console: an
-empty sheet of that name is there already."""
 
 
 def whole_page(
@@ -47,8 +42,8 @@ def whole_page(
     dark and light (`theme`) and those of playing (`transport`), and `name`.js and `name`.css if it has a script and
     styles of its own.
     data: JSON that the script draws; None where it draws nothing.
-    scripts: names of files in report/player/ or in the package that the script stands on, in order: then it draws
-    without plotly, and with three.js where `scene` is among them.
+    scripts: names of files in report/player/ or in the package that the script stands on, in order; `scene` draws with
+    three.js, which is then there too.
     live: whether the page may ask the server that it is from for more.
     """
     here, parts = files(room), files("toolpace.results.report").joinpath("player")
@@ -67,7 +62,7 @@ def whole_page(
         style,
         _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), *own]),
         data,
-        (three_js() if "scene" in scripts else "") if scripts else None,
+        three_js() if "scene" in scripts else "",
         live,
     )
 
@@ -110,13 +105,13 @@ def framed(
     style: str = "",
     script: str = "",
     data: str | None = None,
-    library: str | None = None,
+    library: str = "",
     live: bool = False,
 ) -> str:
     """Any body (HTML) as a page, with the styles of all pages and those of its own, and its policy.
 
     script: of its own; without one the button of dark and light works all the same.
-    library: what the script of data stands on; None: plotly.
+    library: a script that it stands on.
     """
     here = files("toolpace.results.report")
     theme = f'(() => {{\n"use strict";\n{_text(here.joinpath("player/theme.js"))}\nwatchTheme();\n}})();'
@@ -124,7 +119,7 @@ def framed(
     drawn = ""
     if data is not None:
         drawn = f'<script id="data" type="application/json">{data}</script>\n'
-        scripts = [*filter(None, [_plotly() if library is None else library]), *scripts]
+        scripts = [*filter(None, [library]), *scripts]
     page = Template(_text(here.joinpath("shell.html"))).substitute(
         title=escape(title),
         css=_text(here.joinpath("shell.css")) + style,
@@ -133,12 +128,6 @@ def framed(
     )
     # the system hands over a file's name in another encoding as halves of characters, which no file can hold
     return with_policy(page.encode("utf-8", "backslashreplace").decode("utf-8"), live)
-
-
-def _plotly() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return str(get_plotlyjs())
 
 
 def cards(figures: Iterable[tuple[str, str, str, str]], between: str = "\n") -> str:
@@ -155,13 +144,13 @@ def with_policy(page: str, live: bool = False) -> str:
 
     live: it may ask the server that it is from for more.
     """
-    held: dict[str, list[str]] = {"script": [], "style": [checksum(_EMPTY)]}
+    held: dict[str, list[str]] = {"script": [], "style": []}
     for kind, attributes, text in _INLINE.findall(page):
         # Data is nothing that runs.
         if "json" not in attributes:
             held[kind].append(checksum(text))
-    scripts, styles = (" ".join(dict.fromkeys(held[kind])) for kind in ("script", "style"))
-    # Widths and colours of bars are attributes of their elements, and so is much of what plotly draws.
+    scripts, styles = (" ".join(dict.fromkeys(held[kind])) or "'none'" for kind in ("script", "style"))
+    # Widths and colours of bars are attributes of their elements.
     policy = (
         f"default-src 'none'; script-src {scripts}; style-src-elem {styles}; style-src-attr 'unsafe-inline'; "
         "img-src data: blob:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if live else "")
@@ -169,8 +158,7 @@ def with_policy(page: str, live: bool = False) -> str:
     before, found, behind = page.partition(_HEAD)
     if not found:
         raise ValueError(f"a page without {_HEAD}")
-    sheets = "".join(f'\n<style id="{each}"></style>' for each in dict.fromkeys(_SHEET.findall(behind)))
-    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{sheets}{behind}'
+    return f'{before}{found}\n<meta http-equiv="Content-Security-Policy" content="{policy}">{behind}'
 
 
 def checksum(text: str) -> str:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
+from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
@@ -30,6 +32,10 @@ UNKNOWN_MODULUS = 6e11
 """Of a tool whose material is not known [Pa]."""
 
 
+Role = Literal["", "before", "after", "limit"]
+"""Of a track among those of its panel, where feeds before and after are compared."""
+
+
 @dataclass(frozen=True)
 class Track:
     """A quantity over time."""
@@ -39,10 +45,12 @@ class Track:
     """Key of PANELS."""
     unit: str
     values: Floats
-    """(k,) in the unit; 0 where nothing is cut."""
+    """(k,) in the unit; 0 where nothing is cut; nan where there is no limit."""
+    role: Role = ""
 
 
 PANELS = {
+    "program_feed": "Feed of the program, mm/min",
     "removal": "Removal rate, cm³/min",
     "engagement": "Width and depth of the cut, mm",
     "chip": "Thickest chip, µm",
@@ -50,6 +58,8 @@ PANELS = {
     "deflection": "Largest deflection of the tip, µm",
 }
 """In the order in which they stand below each other."""
+LOADS = ("force", "chip", "removal")
+"""Panels whose values colour the path: the first that is there."""
 
 
 @dataclass(frozen=True)
@@ -61,21 +71,26 @@ class CutTracks:
     tracks: tuple[Track, ...]
     """The mean of the removal rate, of all else the largest."""
 
+    def loads(self) -> list[tuple[int, Track]]:
+        """What may colour the path: the tracks of force, else of the chip, else the removal rate, with their places."""
+        panel = next((each for each in LOADS if any(track.panel == each for track in self.tracks)), "")
+        return [(k, each) for k, each in enumerate(self.tracks) if each.panel == panel and each.role != "limit"]
+
 
 def cut_tracks(
     simulation: CutSimulation, toolpath: ToolPath, duration: float, material: Coefficients | None = None
 ) -> CutTracks:
     """Those of a motion [s]; the chip where teeth and spindle speed are known, forces with a material."""
-    count = int(np.clip(duration / SHORTEST, 1, MOST))
-    edges = np.linspace(0.0, duration, count + 1)
+    edges = interval_edges(duration)
+    count = len(edges) - 1
     state = np.full(count, RESTS)
     rows = {name: np.zeros(count) for name in ("removed", "width", "depth", "chip", "force", "deflection")}
-    tools = dict(zip(moving_operations(simulation), (each.figures for each in simulation.operations)))
+    tools = tools_by_operation(simulation)
     loaded: set[str] = set()
     for each in simulation.stretches:
         time, engagement = each.stations.time, each.engagement
         rows["removed"] += spread(edges, time, engagement.removed)
-        interval = _Intervals(edges, time)
+        interval = Intervals(edges, time)
         state[interval.inside] = states_of(each)[interval.station]
         contact = each.contact(engagement)
         interval.raise_to(rows["width"], np.where(contact, engagement.width, 0.0))
@@ -103,9 +118,17 @@ def cut_tracks(
     return CutTracks(state, shown)
 
 
-def moving_operations(simulation: CutSimulation) -> list[int]:
-    """Index in the program of each operation of a simulation: of those that move, in order."""
-    return sorted({each.operation for each in simulation.stretches})
+def interval_edges(duration: float) -> Floats:
+    """(k + 1,) ends of the intervals of a motion [s]."""
+    count = int(np.clip(duration / SHORTEST, 1, MOST))
+    found: Floats = np.linspace(0.0, duration, count + 1)
+    return found
+
+
+def tools_by_operation(simulation: CutSimulation) -> dict[int, ToolFigures | None]:
+    """The tool of each operation that moves, by its index in the program."""
+    moving = sorted({each.operation for each in simulation.stretches})
+    return dict(zip(moving, (each.figures for each in simulation.operations)))
 
 
 def loads_of(
@@ -113,22 +136,33 @@ def loads_of(
 ) -> Iterator[tuple[CutLoads, Bools]]:
     """The loads at the stations of a stretch, at the speed of the motion, and at which of them (n,) they hold: at
     those of each spindle speed. None where tool, teeth or spindle speed are not known."""
+    for forces, at in forces_of(stretch, stretch.engagement, tool, toolpath, material):
+        try:
+            loads = forces.along(stretch.stations)
+        except UsageError:
+            return
+        yield loads, at
+
+
+def forces_of(
+    stretch: CutStretch,
+    engagement: EngagementTable,
+    tool: ToolFigures | None,
+    toolpath: ToolPath,
+    material: Coefficients | None,
+) -> Iterator[tuple[EngagedForces, Bools]]:
+    """Forces in an engagement of a stretch, and at which stations (n,) they are those of its spindle speed."""
     if tool is None or not tool.teeth or len(stretch.stations) < 2:
         return
     turns = np.abs(toolpath.spindle[stretch.stations.point])
     turns = np.where(np.isfinite(turns) & (turns > 0.0), turns, tool.spindle_speed or math.nan)
+    # of a tool whose material is not known nothing tells how far it bends, and no deflection is shown
+    modulus = None if tool.material else UNKNOWN_MODULUS
     for each in np.unique(turns[np.isfinite(turns)]).tolist():
-        # of a tool whose material is not known nothing tells how far it bends, and no deflection is shown
-        modulus = None if tool.material else UNKNOWN_MODULUS
-        try:
-            forces = EngagedForces(stretch.engagement, tool, material or ANY, each, youngs_modulus=modulus)
-            loads = forces.along(stretch.stations)
-        except UsageError:
-            return
-        yield loads, turns == each
+        yield EngagedForces(engagement, tool, material or ANY, each, youngs_modulus=modulus), turns == each
 
 
-class _Intervals:
+class Intervals:
     """Which intervals of time a stretch fills, and with which of its stations."""
 
     def __init__(self, edges: Floats, time: Floats) -> None:

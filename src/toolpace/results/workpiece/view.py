@@ -16,7 +16,6 @@ from toolpace.results.workpiece.tracks import CutTracks, cut_tracks
 
 if TYPE_CHECKING:
     from toolpace.cutting.simulation.simulate import CutSimulation, ToolInUse
-    from toolpace.machine.cutting_tool import Coefficients
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.reading.coordinates.setup import SetUp
@@ -51,10 +50,13 @@ class WorkpieceView:
     """Why the stock is not shown, where the sheet names one."""
 
 
-def view_of_plan(trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp) -> WorkpieceView | None:
-    """What the sheet of a plan tells to be seen, cut coarsely along the motion; None where it tells nothing.
+def view_of_plan(
+    trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp, simulation: CutSimulation | None = None
+) -> WorkpieceView | None:
+    """What the sheet of a plan tells to be seen; None where it tells nothing.
 
-    A sheet whose stock or tools cannot be cut is no reason for a plan to fail: `note` says why.
+    Where the cut was not simulated, it is, coarsely: of a stock that the program tells. A sheet whose stock or tools
+    cannot be cut is no reason for a plan to fail: `note` says why.
     """
     machine = trajectory.axis_path.machine
     if machine is None or toolpath is None or not hasattr(trajectory, "laws"):
@@ -66,10 +68,36 @@ def view_of_plan(trajectory: Trajectory, toolpath: ToolPath | None, setup: SetUp
     try:
         if stock is None:
             return WorkpieceView((), None, *_around(setup, machine))
-        simulation = coarse_cut(trajectory, toolpath, setup, machine)
+        if simulation is None:
+            simulation = coarse_cut(trajectory, toolpath, setup, machine)
         return view_of_cut(simulation, trajectory, toolpath, setup)
     except UsageError as error:
         return WorkpieceView(note=str(error))
+
+
+def view_of_stock(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp, points: int) -> WorkpieceView:
+    """The stock by stages, with so many points of its lattice along the longest side, and what is around it, without
+    what the tool meets: faster. `note` as in `view_of_plan`."""
+    from toolpace.cutting.engagement.stations import motion_stations
+    from toolpace.cutting.simulation import set_up
+    from toolpace.cutting.simulation.simulate import reach_of
+
+    machine = trajectory.axis_path.machine
+    assert machine is not None
+    around = _around(setup, machine)
+    try:
+        tools, _ = set_up.tools_in_use(toolpath, setup)
+        profiles = tuple(None if tool is None else tool.profile for tool in tools)
+        if (setup.workpiece.stock or toolpath.workpiece.stock) is None:
+            return WorkpieceView(profiles, None, *around)
+        stock = set_up.stock_body(toolpath, setup, machine, tools)[1].triangles()
+    except UsageError as error:
+        return WorkpieceView((), None, *around, note=str(error))
+    cell = float(np.ptp(stock, axis=(0, 1)).max()) / points
+    reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
+    parts = motion_stations(trajectory, toolpath, cell, reach)
+    cuts = [(each, tool) for each in parts if (tool := tools[int(each.operation[-1])]) is not None and len(each) > 1]
+    return WorkpieceView(profiles, stages_of(stock, cuts, trajectory.duration, points=points), *around)
 
 
 def coarse_cut(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutSimulation:
@@ -91,11 +119,12 @@ def view_of_cut(
     setup: SetUp,
     stock: Floats | None = None,
     before: Sequence[Cut] = (),
-    material: Coefficients | None = None,
+    tracks: CutTracks | None = None,
 ) -> WorkpieceView:
     """What is to be seen of a cut. Raises UsageError.
 
     stock: triangles (n, 3, 3) [m] that other programs have cut, and `before` is along what; None: it is the sheet's.
+    tracks: what is shown over time; None: what the tool does and takes.
     """
     from toolpace.cutting.simulation import set_up
 
@@ -108,7 +137,7 @@ def view_of_cut(
         tuple(None if tool is None else tool.profile for tool in tools),
         stages_of(stock, cuts_of(simulation, tools), trajectory.duration, before),
         *_around(setup, machine),
-        cut_tracks(simulation, toolpath, trajectory.duration, material),
+        cut_tracks(simulation, toolpath, trajectory.duration) if tracks is None else tracks,
         simulation.guessed,
         simulation.resolution,
     )

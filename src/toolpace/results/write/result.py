@@ -26,13 +26,14 @@ from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.setup_file import load_setup, setup_text
 from toolpace.programs.tolerances import Tolerances
+from toolpace.results.write.cut_limits import CutLimitsRecord
 from toolpace.results.write.plan_json import (
     PLAN,
     BendingRecord,
-    CutRecord,
     PlanRecord,
     ReadingRecord,
     by_place,
+    cut_sums,
     finite_bound,
     iteration_records,
     largest_finite,
@@ -46,6 +47,7 @@ from toolpace.results.write.plan_json import (
 
 if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation
+    from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
@@ -147,8 +149,10 @@ class PlanResult:
     """[rad]"""
     aimed: BendingCompensation | None = None
     """Where the bending of the tool is compensated: by what, and for which tool."""
-    cut: CutRecord | None = None
+    cut: CutSimulation | None = None
     """What it cuts, where the set-up sheet names a stock."""
+    cut_limits: tuple[CutLimitsRecord, bytes] | None = None
+    """Where the cut held the speed: what plan.json says of it, and the bytes of its file."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 
@@ -207,7 +211,8 @@ class PlanResult:
             rounds=iteration_records(self.rounds),
             tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
             axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
-            cut=self.cut,
+            cut=None if self.cut is None else cut_sums(self.cut),
+            cut_limits=None if self.cut_limits is None else self.cut_limits[0],
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],

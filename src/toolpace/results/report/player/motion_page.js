@@ -18,12 +18,19 @@ async function start() {
     timeline.cursor();
     const line = player.lineAt(t);
     if (program) program.light(line);
-    const speed = player.valueAt("tip speed", t);
     showClock(player, [line ? `line ${line}` : "", player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
-      Number.isNaN(speed) ? "" : `${spaced(speed)} mm/min`, player.limitAt(t)]);
+      player.paceAt(t), player.limitAt(t)]);
     if (space) joints(player, t);
   });
 
+  for (const { name } of space ? player.loads : []) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = name;
+    button.dataset.colour = name;
+    button.setAttribute("aria-pressed", "false");
+    document.querySelector("[data-colour]").parentElement.append(button);
+  }
   for (const button of document.querySelectorAll("[data-seek]")) {
     button.addEventListener("click", () => { player.seek(button.dataset.seek); document.querySelector(".player").scrollIntoView({ block: "start" }); });
   }

@@ -17,6 +17,8 @@ class Player extends Playback {
     this.panels = data.panels || [];
     this.tracks = (data.tracks || []).map((c) => ({ ...c, values: arrays.numbers(c.data) }));
     this.states = data.states ? { names: data.states.names, values: arrays.whole(data.states.data) } : null;
+    this.loads = (data.loads || []).map(({ name, track }) => ({ ...this.tracks[track], name }));
+    for (const load of this.loads) load.high = this.loads.reduce((most, each) => each.values.reduce((a, b) => (b > a ? b : a), most), 1e-9);
     this.findings = data.findings || [];
     this.colouring = "speed";
     this.account();
@@ -69,7 +71,22 @@ class Player extends Playback {
   limitAt(t) { const k = this.stripAt(t); return k < 0 ? "no limit reached" : this.limits[k].name; }
   limitColour(t) { const k = this.stripAt(t); return k < 0 ? this.look.neutral : this.limits[k].colour; }
   // The colour of the path at a time at which the tip is so fast [mm/min].
-  pathColour(t, speed) { return this.colouring === "limits" ? this.limitColour(t) : speedColour(Math.min(speed / this.usual, 1)); }
+  pathColour(t, speed) {
+    const load = this.load();
+    if (load) return speedColour(this.loadShare(load, t));
+    return this.colouring === "limits" ? this.limitColour(t) : speedColour(Math.min(speed / this.usual, 1));
+  }
+
+  // The load by which the path is coloured, if it is by one; and its share of the largest at a time.
+  // How fast the tip is at a time, and the feed where it is slower than that; and what limits it.
+  paceAt(t) {
+    const speed = this.valueAt("tip speed", t), feed = this.valueAt("feed in the program", t);
+    if (Number.isNaN(speed)) return "";
+    return speed < 0.95 * feed ? `${spaced(speed)} of ${spaced(feed)} mm/min` : `${spaced(speed)} mm/min`;
+  }
+
+  load() { return this.loads.find((each) => each.name === this.colouring) || null; }
+  loadShare({ values, high }, t) { return Math.min(values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)] / high, 1); }
   operationName(k) { const each = this.operations[k]; return each ? each.name || (each.tool ? `tool ${each.tool}` : `operation ${k + 1}`) : "-"; }
 
   valueAt(name, t) {

@@ -56,7 +56,8 @@ class Space {
     const kept = straightened(found.times, found.tips, 0.2 * off, (k) => {
       const middle = 0.5 * (found.times[k] + found.times[k - 1]);
       const speed = distance(found.tips[k], found.tips[k - 1]) / Math.max(found.times[k] - found.times[k - 1], 1e-9);
-      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)}`;
+      const loads = player.loads.map((load) => Math.round(SHADES * player.loadShare(load, middle)));
+      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)} ${loads}`;
     });
     this.times = Float64Array.from(kept, (k) => found.times[k]);
     this.tips = kept.map((k) => found.tips[k]);
@@ -128,6 +129,11 @@ class Space {
     const centre = corners.reduce((sum, p) => sum.addScaledVector(p, 1 / 8), new THREE.Vector3());
     const radius = 0.52 * this.size, thick = 0.1 * this.size;
     let level = Math.min(...corners.map((p) => p.dot(up))) - 0.02 * this.size, held = radius;
+    if (!machine.workpiece.length) {
+      // the part stands on the bed
+      const plate = centre.clone().addScaledVector(up, level - 0.5 * thick - centre.dot(up));
+      this.shapes.push(add(this.root, new THREE.BoxGeometry(3 * held, thick, 3 * held), 0x3f4d60, along(up, plate)));
+    }
     [...machine.workpiece].reverse().forEach((joint, back) => {
       const body = this.bodies.workpiece[machine.workpiece.length - 1 - back], u = new THREE.Vector3(...joint.direction);
       const colour = [0x4d5d73, 0x3f4d60, 0x343f50][back % 3];

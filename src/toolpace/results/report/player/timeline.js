@@ -52,9 +52,16 @@ class Timeline extends Tracks {
   // Curves of the cut in a unit of their own, from zero to their largest.
   track({ name, title }) {
     const channels = this.player.tracks.filter((c) => c.panel === name), tint = TRACK_TINTS[name] || 0;
-    const high = 1.08 * Math.max(...channels.map((c) => c.values.reduce((most, v) => Math.max(most, v), 1e-9)));
-    const series = channels.map((c, k) => ({ ...c, colour: () => TRACK_COLOURS[tint + k], area: channels.length === 1, tell: (v) => `${figure(v)} ${c.unit}` }));
+    const high = 1.08 * Math.max(...channels.map((c) => c.values.reduce((most, v) => (v > most ? v : most), 1e-9)));
+    const series = channels.map((c, k) => ({ ...c, ...this.role(c, TRACK_COLOURS[tint + k]), area: channels.length === 1, tell: (v) => `${figure(v)} ${c.unit}` }));
     return { kind: "curves", height: PANEL, title, low: 0, high, marks: niceTicks(high, 3).map((v) => [v, figure(v)]), series, named: channels.length > 1 };
+  }
+
+  // How a curve before or after a change is drawn, or a limit; any other has a colour of its own.
+  role({ role }, own) {
+    if (role === "before") return { colour: (look) => look.soft, width: 1.1 };
+    if (role === "limit") return { colour: (look) => look.bad, width: 1.1 };
+    return { colour: (look) => (role === "after" ? look.accent : own), width: role === "after" ? 1.7 : 1.3 };
   }
 
   // The range of a panel, its marks and the bounds in it.

@@ -66,11 +66,12 @@ function showTab(name) {
 function showKey(player, key) {
   if (!key) return;
   key.replaceChildren();
-  if (player.colouring === "speed") {
+  const load = player.load();
+  if (load || player.colouring === "speed") {
     const bar = document.createElement("i");
     bar.className = "ramp";
     bar.style.background = `linear-gradient(90deg, ${[0, 0.2, 0.4, 0.6, 0.8, 1].map(speedColour).join(", ")})`;
-    key.append(cell("0", "end"), bar, cell(`${spaced(player.usual)} mm/min and more`, "end"));
+    key.append(cell("0", "end"), bar, cell(load ? `${figure(load.high)} ${load.unit}` : `${spaced(player.usual)} mm/min and more`, "end"));
     return;
   }
   for (const k of [...new Set(player.strip)].sort((a, b) => a - b)) {

@@ -47,7 +47,13 @@ class Workpiece {
   tool(solids) {
     const group = this.space.fixed(this.space.toolBody);
     for (const { part, outline } of solids) group.add(this.body(revolved(outline), { color: TOOL_COLOURS[part], flatShading: false }));
+    const [top, radius] = solids.at(-1).outline.at(-1), held = solids.some(({ part }) => part === 2);
+    // what holds the tool, where the sheet does not tell it
+    const rest = this.body(new THREE.CylinderGeometry(1, 1, 1, AROUND), { color: TOOL_COLOURS[2], flatShading: false });
+    rest.matrixAutoUpdate = false;
+    group.add(rest);
     group.visible = false;
+    group.userData = { rest, top, radius: radius * (held ? 1 : 1.6) };
     return group;
   }
 
@@ -60,6 +66,9 @@ class Workpiece {
     if (now) {
       const up = new THREE.Vector3(...machine.axis);
       now.matrix.copy(along(up, new THREE.Vector3(...machine.nose).addScaledVector(up, -length)));
+      const { rest, top, radius } = now.userData, long = Math.max(length - top, 1e-3);
+      rest.visible = length > top;
+      rest.matrix.copy(along(new THREE.Vector3(0, 1, 0), new THREE.Vector3(0, top + 0.5 * long, 0), radius, long));
     }
     return !!now;
   }
