@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 STEP = math.radians(0.2)
 """Most between two angles at which the forces of a turn are looked at [rad]. Of 100 random engagements peaks are within
-0.06 percent of the largest force in the median, and within 0.7 at worst."""
+0.06 percent of the largest force in the median, and within 0.7 at worst; of twelve more one was at 1.1."""
 LAG = 3.75
 """Most lag of the helix over a piece of the edge, in such steps."""
 BLOCK = 2000
