@@ -7,7 +7,8 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
-from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, setup, tolerance
+from toolpace.cli.commands import app as app_page
+from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, picture, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -34,7 +35,9 @@ Examples:
     toolpace feeds part.ngc -m xyzac-trunnion --setup s.toml -o new.ngc   the program with the feeds that its cut allows
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
+    toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
+    toolpace app                      a page in the browser: inspect, plan, compare, export
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
@@ -58,12 +61,15 @@ def plan_command(
     /,
     *,
     machine: options.MachineName = None,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     planner: options.PlannerName = "optimal",
     effort: options.Effort = "normal",
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
     feed: options.Feed = None,
+    allowed: feeds.AllowedInPlan = feeds.AS_PROGRAMMED,
+    resolution: cut.Resolution = None,
+    memory: cut.Memory = cut.MEMORY,
     bend: options.Bend = None,
     out: options.Out = None,
     tool_length: options.ToolLength = None,
@@ -86,6 +92,7 @@ def plan_command(
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
+        toolpace plan part.ngc -m xyzac-trunnion --setup setup.toml --feeds limits --limit chip=0.08mm
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, summary
@@ -107,6 +114,7 @@ def plan_command(
         dialect=dialect,
         options=how,
         tool=arguments.tool_named(bend),
+        cut_options=allowed.of_plan(resolution, memory, bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
         npz=arguments.form_of_set_points(files.npz),
@@ -120,6 +128,7 @@ def plan_command(
 
 
 app.command(batch.batch_command, name="batch", help_epilogue="")
+app.command(app_page.app_command, name="app", help_epilogue="")
 
 
 @app.command(name="verify", help_epilogue="")
@@ -149,6 +158,9 @@ app.command(compare.compare_command, name="compare", help_epilogue="")
 
 
 app.command(export.export_command, name="export", help_epilogue="")
+
+
+app.command(picture.picture_command, name="picture", help_epilogue="")
 
 
 app.command(follow.follow_command, name="follow", help_epilogue="")

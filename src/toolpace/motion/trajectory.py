@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -235,7 +236,7 @@ class Trajectory:
         """Peak ratios (1 + 3 m,), and the time in which each of them is what binds [s]."""
         m = len(self.joints)
         names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
-        peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
+        peak, times, of_cap = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m), defaultdict[str, float](float)
         for run, law in zip(self.axis_path.runs, self.laws):
             # where acceleration may jump, jerk is no limit that could bind
             jumpy = law.jumps.size > 0
@@ -248,7 +249,12 @@ class Trajectory:
                 first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
                 times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
-        return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, "nothing": float(times[-1])}
+                capped = binds & (first == 0)
+                which, words = run.cap_names(probe.state[0][capped])
+                for word, share in zip(words, np.bincount(which, probe.share[capped], len(words))):
+                    of_cap[word] += float(share)
+        found = {**dict(of_cap), **dict(zip(names[1:], map(float, times[1:-1])))}
+        return peak, {**{name: time for name, time in found.items() if time > 0.0}, "nothing": float(times[-1])}
 
     def usage(self) -> Usage:
         """Peak value over limit in continuous time, between the set-points and nodes too."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
 UNITS = {
     "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
     "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
-    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "feed_marks": ("um", 1e-6),
+    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "compensated_deflection": ("um", 1e-6),
+    "feed_marks": ("um", 1e-6),
 }  # fmt: skip
 """Limits of the cut, and the unit in which each is given."""
 SHOWN = 8
@@ -46,7 +48,7 @@ Limits = Annotated[
         name="--limit",
         help="A limit of the cut, for all tools or, in its place, for one: chip=0.08mm, 3:force=400N; chip, "
         "feed_per_tooth [mm], removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], "
-        "deflection, surface_deflection, feed_marks [um]. Repeat it.",
+        "deflection, surface_deflection, compensated_deflection, feed_marks [um]. Repeat it.",
         negative=(),
         consume_multiple=False,
     ),
@@ -55,6 +57,9 @@ Limits = Annotated[
 
 Out = Annotated[
     str | None, Parameter(name=["--out", "-o"], help="File for the program with new feeds; never the input.")
+]
+Report = Annotated[
+    str | None, Parameter(help="File for a page (x.html): feed and loads before and after over time, by operation.")
 ]
 
 
@@ -137,6 +142,47 @@ class Allowed:
 AS_IN_AIR = Allowed()
 
 
+PROGRAM = "program"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class AllowedInPlan(Allowed):
+    """What the speeds of a plan may become."""
+
+    feeds: Annotated[
+        str,
+        Parameter(
+            name="--feeds",
+            help="program: the feeds are those of the program. air, learned, limits: as fast as the cut allows, as "
+            "`toolpace feeds` has it; the sheet tells stock and tools.",
+        ),
+    ] = PROGRAM
+    margin: Annotated[
+        str, Parameter(help="How far before and behind a place what its cut allows holds, beyond one cell: 0.5mm.")
+    ] = "0mm"
+
+    def of_plan(self, resolution: str | None, memory: str, bend: str | None) -> CutOptions | None:
+        """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
+        from toolpace.jobs.cut_options import CutOptions
+
+        if self.feeds == PROGRAM:
+            for name in (each.name for each in fields(self) if each.name != "feeds"):
+                if getattr(self, name) != getattr(AS_PROGRAMMED, name):
+                    option = "--" + name.replace("_", "-")
+                    raise UsageError(f"{option} goes with --feeds air, learned or limits")
+            return None
+        cell_size = None if resolution is None else cell(resolution)
+        rules = self.rules()
+        if bend is not None:
+            # what is compensated counts by what is left of it
+            rules = replace(rules, limits={tool: each.compensated for tool, each in rules.limits.items()})
+        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory))
+
+
+AS_PROGRAMMED = AllowedInPlan()
+
+
 def feeds_command(
     program: options.Program,
     /,
@@ -145,12 +191,13 @@ def feeds_command(
     allowed: Allowed = AS_IN_AIR,
     whole_blocks: Annotated[bool, Parameter(negative=(), help="Divide no block.")] = False,
     out: Out = None,
+    report: Report = None,
     save_teachers: Annotated[
         str | None, Parameter(help="Folder for what was learned from this program, for others (--teacher).")
     ] = None,
     resolution: Resolution = None,
     memory: Memory = MEMORY,
-    tolerances: options.Tolerances = options.USUAL_TOLERANCES,
+    tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
     effort: options.Effort = "normal",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
@@ -170,6 +217,7 @@ def feeds_command(
         toolpace feeds part.ngc -m xyzac-trunnion --setup setup.toml --out part-air.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds learned --raise-at-most 2 -o new.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds limits --limit chip=0.08mm -o new.ngc
+        toolpace feeds part.ngc -m my-mill.toml --setup setup.toml -o new.ngc --report feeds.html
     """
     from toolpace.cli import arguments
     from toolpace.common.files import whole_file
@@ -185,6 +233,8 @@ def feeds_command(
                 raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
         if not Path(out).absolute().parent.is_dir():
             raise UsageError(f"--out {out}: its folder does not exist; make it first")
+    if report is not None:
+        page_file(report, out, program)
     tip, axis = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     rules = allowed.rules()
@@ -199,15 +249,31 @@ def feeds_command(
     if out is not None:
         with whole_file(out) as temporary:
             temporary.write_bytes(found.written.data)
+    if report is not None:
+        from toolpace.results.cut.feeds_page import feeds_page
+
+        with steps.step("writing"), whole_file(report) as temporary:
+            temporary.write_text(feeds_page(found, on.name), encoding="utf-8")
     if save_teachers is not None:
         teaching.save_teachers(found.plan.teachers, Path(program).name, save_teachers)
     if json:
         print_json(feeds_record(found, on.name))
     else:
         show_feeds(console, found)
-        if out is not None:
-            console.print(f"\nwritten   {printable(out)}", soft_wrap=True)
+        written = ", ".join(printable(name) for name in (out, report) if name is not None)
+        if written:
+            console.print(f"\nwritten   {written}", soft_wrap=True)
     return 0
+
+
+def page_file(report: str, out: str | None, program: str) -> None:
+    """Raise UsageError where a page cannot be written to a file, before the work that makes it."""
+    if not report.lower().endswith((".html", ".htm")):
+        raise UsageError(f"--report {report[:80]}: it is a page; name it like feeds.html")
+    if not Path(report).absolute().parent.is_dir():
+        raise UsageError(f"--report {report[:80]}: its folder does not exist; make it first")
+    if any(name is not None and Path(report).resolve() == Path(name).resolve() for name in (out, program)):
+        raise UsageError(f"--report {report[:80]}: that is the program; name another file")
 
 
 def coefficients_of(material: str) -> Coefficients:

@@ -11,6 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.cutting.feeds.feed_moves import FeedMoves
+from toolpace.cutting.forces.tool_beam import bends
 
 RATE = 5
 """Stations over which a removal rate is a mean."""
@@ -38,19 +39,26 @@ def largest_loads(moves: FeedMoves, after: Sequence[Floats]) -> tuple[LargestLoa
             continue
         told = {"chip", "removal_rate"}
         if moves.rules.material_of(tool) is not None:
-            told |= {"force", "torque", "power"} | ({"deflection"} if figures.stick_out is not None else set())
+            told |= {"force", "torque", "power"} | ({"deflection"} if bends(figures) else set())
         for kind in told & set(loads[0]):
             most = found.setdefault((tool, kind), np.zeros(2))
             np.maximum(most, [each[kind] for each in loads], out=most)
     return tuple(LargestLoad(*key, float(a), float(b)) for key, (a, b) in sorted(found.items()))
 
 
+def removal_rate(removed: Floats, way: Floats, feed: Floats) -> Floats:
+    """(n,) volume in time [m3/s] at feeds (n,), from the volume removed (n,) on the way (n,) to each station.
+
+    Between two stations the volume is counted in cells: over RATE of them it is known.
+    """
+    rate: Floats = np.divide(removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
+    return np.convolve(rate, np.full(RATE, 1.0 / RATE), mode="same") if len(way) > RATE else rate
+
+
 def _loads_at(moves: FeedMoves, k: int, feed: Floats) -> dict[str, float]:
     """The largest of each kind along stretch k at feeds (n,)."""
     stretch, way = moves.stretches[k], moves.ways(k)
-    rate = np.divide(stretch.possible.removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
-    # between two stations the volume is counted in cells: over RATE of them it is known
-    rate = np.convolve(rate, np.full(RATE, 1.0 / RATE), mode="same") if len(way) > RATE else rate
+    rate = removal_rate(stretch.possible.removed, way, feed)
     largest: dict[str, float] = defaultdict(float, removal_rate=float(rate.max(initial=0.0)))
     for turns, at in moves.by_spindle(stretch):
         loads = moves.forces(stretch, stretch.possible, turns).loads(feed)
