@@ -67,5 +67,5 @@ def _loads_at(moves: FeedMoves, k: int, feed: Floats) -> dict[str, float]:
             "power": np.abs(loads.power), "deflection": np.nan_to_num(loads.deflection),
         }  # fmt: skip
         for kind, values in kinds.items():
-            largest[kind] = max(largest[kind], float(values[at].max(initial=0.0)))
+            largest[kind] = max(largest[kind], float(values[at & ~stretch.air].max(initial=0.0)))
     return dict(largest)
