@@ -37,7 +37,7 @@ Examples:
     toolpace export part-plan --to table            files that a control loads
     toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
-    toolpace app                      a page in the browser that does all of that
+    toolpace app                      a page in the browser: inspect, plan, compare, export
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
