@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.motion import Motion, Usage
+    from toolpace.motion.active_limits import ActiveLimits, ActiveStretch
     from toolpace.motion.laws import Probe, TimeLaw
     from toolpace.motion.set_point_files import read_set_points
     from toolpace.motion.setpoints import SetPoints
@@ -85,6 +86,8 @@ if TYPE_CHECKING:
     from toolpace.setup_search.search import search_setup
 
 __all__ = [
+    "ActiveLimits",
+    "ActiveStretch",
     "AxisPath",
     "AxisRun",
     "Batch",
@@ -199,6 +202,8 @@ __all__ = [
 ]
 
 _HOME = {
+    "ActiveLimits": "motion.active_limits",
+    "ActiveStretch": "motion.active_limits",
     "AxisPath": "path.axis_path",
     "AxisRun": "path.axis_run",
     "Batch": "jobs.batch",

@@ -62,6 +62,8 @@ class Job:
     """How much is done for a path that may be passed fast: low, normal or high."""
     prove_within: float | None = None
     """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
+    prices: bool = False
+    """Whether it is worked out what one percent more of each limit would gain."""
     feed: str | None = None
     dialect: str | None = None
     options: ReadOptions = field(default_factory=ReadOptions)
@@ -95,6 +97,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         else:
             planned = program_plan_of(compensation)
         trajectory = with_proof(job, steps, planned.trajectory)
+        prices = priced(job, steps, trajectory)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
@@ -117,6 +120,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
+        prices=prices,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -265,6 +269,16 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
         if len(trajectory.notes) > NOTES:
             steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     return trajectory
+
+
+def priced(job: Job, steps: TimedSteps, trajectory: Trajectory) -> dict[str, float]:
+    """What one percent more of each limit would gain [s]; nothing where that was not asked for."""
+    if not job.prices:
+        return {}
+    with steps.step("pricing") as step:
+        prices = trajectory.prices()
+        step.note = f"{len(prices)} limits"
+    return prices
 
 
 def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:

@@ -126,7 +126,15 @@ def plan(
         notes=tuple(note for run in planned for note in run.notes),
         mesh_points=sum(run.mesh_points for run in planned),
         solve_seconds=time.perf_counter() - began,
+        pricing=prices_of,
     )
+
+
+def prices_of(trajectory: Trajectory) -> dict[str, float]:
+    """The prices of the limits of a plan; what works them out is imported where they are asked for."""
+    from toolpace.planning.prices import prices
+
+    return prices(trajectory)
 
 
 def planner_of(planner: str | Planner, options: dict[str, object], caller: str = "plan") -> Planner:

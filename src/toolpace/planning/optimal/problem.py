@@ -288,9 +288,17 @@ def hidden_rest_caps(
 
 
 def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: bool, share: Floats) -> Floats:
-    """Most z at the inner end of a rest cell by the limits at shares (k,) of its time, and at both sides of breaks.
+    """Most z at the inner end of a rest cell by the limits at shares (k,) of its time, and at both sides of breaks."""
+    least: Floats = rest_caps_by_limit(run, limits, node, length, forth, share).min(axis=1)
+    return least
 
-    All states of the cell scale with that z: speeds with its root, accelerations with it, jerks with its power 3/2.
+
+def rest_caps_by_limit(
+    run: AxisRun, limits: Limits, node: float, length: float, forth: bool, share: Floats
+) -> Floats:
+    """The same by each limit, (n, 1 + 3 m) in the order of `limit_ratios`.
+
+    All states of the cell scale with that z: see `REST_POWERS`.
     """
     sign = 1.0 if forth else -1.0
     rest = node - sign * length
@@ -304,10 +312,5 @@ def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: b
     state[0, : len(share)][share == 1.0], state[0, len(share) :] = node, np.tile(breaks, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
     m = len(limits)
-    allowed = (
-        ratios[:, : 1 + m].max(axis=1) ** -2.0,
-        1.0 / ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
-        ratios[:, 1 + 2 * m :].max(axis=1) ** (-2.0 / 3.0),
-    )
-    least: Floats = np.minimum.reduce(allowed)
-    return least
+    speed, acceleration, jerk = np.split(ratios, [1 + m, 1 + 2 * m], axis=1)
+    return np.concatenate([speed**-2.0, 1.0 / acceleration, jerk ** (-2.0 / 3.0)], axis=1)
