@@ -19,6 +19,7 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
+    "ActiveLimits",
     "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp",
     "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
     "deflection.Projection", "PathRun",
