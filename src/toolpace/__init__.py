@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
+    from toolpace.machine.rows import Rows
     from toolpace.motion import Motion, Usage
     from toolpace.motion.active_limits import ActiveLimits, ActiveStretch
     from toolpace.motion.laws import Probe, TimeLaw
@@ -148,6 +149,7 @@ __all__ = [
     "Progress",
     "ReadBack",
     "Round",
+    "Rows",
     "Sampled",
     "SecondOrder",
     "SetPoint",
@@ -263,6 +265,7 @@ _HOME = {
     "ProgramTime": "controls.timing.program_time",
     "Progress": "common.workers",
     "ReadBack": "controls.export",
+    "Rows": "machine.rows",
     "Round": "planning.path_and_pace.alternating",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order",

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.value_objects import ByValue, counted, one_line
-from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.limits import Limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.usage import limit_ratios
 from toolpace.path.axis_path import AxisPath
@@ -21,11 +21,6 @@ RELEASED = 0.98
 little less than the limit is used."""
 NOTHING = "nothing"
 """What binds where no limit does."""
-
-
-def limit_names(joints: tuple[str, ...]) -> list[str]:
-    """ "feed", "velocity X", ...: the limits in the order of `limit_ratios`."""
-    return ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in joints]
 
 
 class ActiveStretch(NamedTuple):
@@ -51,7 +46,7 @@ class ActiveLimits(ByValue):
     """Utilisation of every limit at the n states of a motion's laws, in the order of time; dwells have none."""
 
     names: tuple[str, ...]
-    """(k,) "feed", "velocity X", ..., "acceleration X", ..., "jerk X", ..."""
+    """(k,) "feed", "velocity X", ..., "acceleration X", ..., "jerk X", ..., and rows of one's own."""
     t: Floats
     """(n,) when each state is passed [s]."""
     share: Floats
@@ -122,13 +117,13 @@ class ActiveLimits(ByValue):
 
 def active_limits(axis_path: AxisPath, limits: Limits, laws: tuple[TimeLaw, ...], starts: Floats) -> ActiveLimits:
     """What a motion uses of its limits, where its laws are probed; `starts` (runs,) is when each run starts [s]."""
-    count, parts = len(limits), []
+    jerks, parts = limits.orders == 2, []
     for k, (run, law) in enumerate(zip(axis_path.runs, laws)):
         for probe in law.probes():
             used = limit_ratios(run, limits, probe.state, probe.right)
             if law.jumps.size:
-                used[:, 1 + 2 * count :] = np.nan
+                used[:, jerks] = np.nan
             s = np.clip(probe.state[0], run.s0, run.s1)
             parts.append((starts[k] + law.times_at(s), probe.share, np.full(len(s), k), s, run.block_at(s), used))
     t, share, run_of, s, block, used = (np.concatenate(column) for column in zip(*parts))
-    return ActiveLimits(tuple(limit_names(limits.joints)), t, share, run_of, s, block, used)
+    return ActiveLimits(tuple(limits.names), t, share, run_of, s, block, used)

@@ -19,7 +19,7 @@ from toolpace.common.value_objects import counted, named, one_line
 from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps
-from toolpace.motion.active_limits import BINDING, NOTHING, ActiveLimits, active_limits, limit_names
+from toolpace.motion.active_limits import BINDING, NOTHING, ActiveLimits, active_limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.sampling import Sampling
 from toolpace.motion.setpoints import ROWS, SetPoints
@@ -234,22 +234,22 @@ class Trajectory:
 
     @cached_property
     def _judgement(self) -> tuple[Floats, dict[str, float]]:
-        """Peak ratios (1 + 3 m,), and the time in which each of them is what binds [s]."""
-        m = len(self.joints)
-        names = limit_names(self.joints)
-        peak, times = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m)
+        """Peak ratios (k,), in the order of `Limits.names`, and the time in which each of them is what binds [s]."""
+        names, m = self.limits.names, len(self.joints)
+        jerks, count = self.limits.orders == 2, len(names)
+        peak, times = np.zeros(count), np.zeros(count + 1)
         for run, law in zip(self.axis_path.runs, self.laws):
             # where acceleration may jump, jerk is no limit that could bind
             jumpy = law.jumps.size > 0
-            peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
+            peak[1 + 2 * m : 1 + 3 * m][jerk_jumps(run, self.limits, law)] = np.inf
             for probe in law.probes():
                 ratios, _, between = closer_look(run, self.limits, law, probe)
                 peak = np.maximum(peak, ratios.max(axis=0))
                 if len(between):
                     peak = np.maximum(peak, between.max(axis=0))
-                first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
+                first = np.where(jerks & jumpy, 0.0, ratios).argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
-                times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
+                times += np.bincount(np.where(binds, first, count), probe.share, len(times))
         return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, NOTHING: float(times[-1])}
 
     def usage(self) -> Usage:
@@ -257,8 +257,11 @@ class Trajectory:
         if self.found_usage is not None:
             return self.found_usage
         peak, m = self._judgement[0], len(self.joints)
-        by_kind = [dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)]
-        return Usage(float(peak[0]), *by_kind)
+        velocity, acceleration, jerk = (
+            dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)
+        )
+        rows = {each.name: float(value) for each, value in zip(self.limits.rows, peak[1 + 3 * m :])}
+        return Usage(float(peak[0]), velocity, acceleration, jerk, rows)
 
     def limited_by(self) -> dict[str, float]:
         """Limits that bind: the share of the duration in which each does, largest first."""

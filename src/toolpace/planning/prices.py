@@ -24,13 +24,19 @@ from toolpace.common.errors import UsageError
 from toolpace.common.workers import Workers
 from toolpace.kernels.optimal import newton, solver
 from toolpace.machine.limits import Limits
-from toolpace.motion.active_limits import limit_names
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.relaxation import OVERLAP_RAMPS, SAMPLES, borders, coefficients_of, highest_speed
 from toolpace.planning.mesh.initial_guess import ramp_time
-from toolpace.planning.optimal.problem import REST_STATES, Problem, discretise, rest_caps_by_limit, with_rows_between
+from toolpace.planning.optimal.problem import (
+    REST_POWERS,
+    REST_STATES,
+    Problem,
+    discretise,
+    rest_caps_by_limit,
+    with_rows_between,
+)
 from toolpace.planning.optimal.solve import MOST_STEPS, SPREAD, TOLERANCE, reliefs, slower, starts_from
 from toolpace.planning.planned_run import AT_REST, EndState
 
@@ -48,7 +54,7 @@ class Multipliers(NamedTuple):
     cap: Floats
     """(points,) of the caps on z."""
     rows: Floats
-    """(points, 2 m) of the rows of acceleration, then of jerk, above and below."""
+    """(points, 2 h) of the rows of acceleration, then of jerk, above and below."""
     z: Floats
     """(points,)"""
 
@@ -68,8 +74,9 @@ def prices(trajectory: Trajectory) -> dict[str, float]:
         part for run, law in zip(trajectory.axis_path.runs, laws, strict=True) for part in parts_of(run, limits, law)
     ]
     total = PERCENT * np.sum(Workers().each(lambda part: part_prices(limits, part), parts), axis=0)
-    finite = np.isfinite(np.concatenate([[0.0], limits.velocity, limits.acceleration, limits.jerk]))
-    named = [each for each, told in zip(zip(limit_names(limits.joints), total.tolist()), finite) if told]
+    of_joints = np.concatenate([limits.velocity, limits.acceleration, limits.jerk])
+    finite = [True, *np.isfinite(of_joints), *(True for _ in limits.rows)]
+    named = [each for each, told in zip(zip(limits.names, total.tolist()), finite) if told]
     return dict(sorted(named, key=lambda item: -item[1]))
 
 
@@ -98,7 +105,7 @@ def parts_of(run: AxisRun, limits: Limits, law: SplineLaw) -> list[RunPart]:
 
 
 def part_prices(limits: Limits, part: RunPart) -> Floats:
-    """(1 + 3 m,) how much less time the nodes of a part take per relative growth of each limit [s].
+    """(k,) how much less time the nodes of a part take per relative growth of each limit [s].
 
     The node at which one part ends and the next begins counts by half in each.
     """
@@ -110,12 +117,21 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
     for border, end in ((part.first, 0), (part.last, len(law.nodes) - 1)):
         if border != end:
             counts[(node == border) & ~problem.inside] = 0.5
-    m = len(limits)
-    of_point = np.zeros((len(node), 1 + 3 * m))
-    of_point[:, 1 + m : 1 + 2 * m] = multipliers.rows[:, :m]
-    of_point[:, 1 + 2 * m :] = multipliers.rows[:, m:] / np.sqrt(multipliers.z)[:, None]
-    of_point += (multipliers.cap * problem.cap)[:, None] * cap_growth(run, limits, problem)
-    return counts @ of_point
+    of_caps = (multipliers.cap * problem.cap)[:, None] * cap_growth(run, limits, problem)
+    gains: Floats = counts @ (row_gains(limits, multipliers) + of_caps)
+    return gains
+
+
+def row_gains(limits: Limits, multipliers: Multipliers) -> Floats:
+    """(points, k) what the rows of a point gain per relative growth of each limit."""
+    m, half, gains = len(limits), limits.half, multipliers.rows.copy()
+    gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
+    columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
+    at = {1: m, 2: half + m}
+    for rows in limits.rows:
+        columns.append(gains[:, at[rows.order] : at[rows.order] + rows.count].sum(axis=1, keepdims=True))
+        at[rows.order] += rows.count
+    return np.concatenate(columns, axis=1)
 
 
 def problem_of_part(limits: Limits, part: RunPart) -> Problem:
@@ -163,20 +179,19 @@ def multipliers_near(problem: Problem, c: Floats) -> Multipliers:
 
 
 def cap_growth(run: AxisRun, limits: Limits, problem: Problem) -> Floats:
-    """(points, 1 + 3 m) by what power of a limit the cap of a point grows: 0 but for the limit that makes it."""
-    m, count = len(limits), len(problem.node)
+    """(points, k) by what power of a limit the cap of a point grows: 0 but for the limit that makes it."""
+    powers, count = REST_POWERS[limits.orders], len(problem.node)
     path, feed = run.with_cap(np.clip(problem.place, run.s0, run.s1))
     with np.errstate(divide="ignore"):
         most = np.concatenate([feed[:, None], limits.velocity / np.abs(path[1])], axis=1) ** 2.0
-    growth = np.zeros((count, 1 + 3 * m))
+    growth = np.zeros((count, len(powers)))
     growth[np.arange(count), most.argmin(axis=1)] = 2.0
     share = (1.0 - np.cos(np.linspace(0.0, np.pi, REST_STATES))) / 2.0
-    powers = np.repeat([2.0, 1.0, 2.0 / 3.0], [1 + m, m, m])
     for point, end in ((0, 0), (-1, 1)):
         if problem.end[end] != newton.REST:
             continue
         node = float(problem.nodes[point])
         by_limit = rest_caps_by_limit(run, limits, node, problem.rest[end], end == 0, share).min(axis=0)
         if by_limit.min() < most[point].min():
-            growth[point] = np.where(np.arange(1 + 3 * m) == by_limit.argmin(), powers, 0.0)
+            growth[point] = np.where(np.arange(len(powers)) == by_limit.argmin(), powers, 0.0)
     return growth
