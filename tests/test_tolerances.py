@@ -76,6 +76,31 @@ def test_what_the_program_tells_holds_only_where_it_is_asked_for(zigzag):
     assert along[6:11].tolist() == [WIDE, NARROW, 1e-6, NARROW, WIDE]
 
 
+def test_what_the_program_asks_for_holds_where_it_is_tighter(zigzag):
+    programmed = np.full(len(zigzag), np.nan)
+    programmed[7:9], programmed[9:11] = NARROW, 2.0 * WIDE
+    path, tighter = replace(zigzag, tip_tolerance=programmed), Tolerances(WIDE, {"N90": 1e-6}, tighter=True)
+    along = tighter.tip_along(path)
+    assert along[6:11].tolist() == [WIDE, NARROW, 1e-6, WIDE, WIDE]
+    assert (0.5 * tighter).tip_along(path) == pytest.approx(0.5 * along)
+    assert tighter.within(NARROW).tip_along(path) == pytest.approx(np.minimum(along, NARROW))
+    assert tighter.text(lambda value: f"{1e6 * value:.12g}um") == f"{1e6 * WIDE:.12g}um,tighter,N90:1um"
+    assert Tolerances.parse("tighter", units.parse_length, WIDE) == Tolerances(WIDE, tighter=True)
+    # where the program asks for nothing less it is a number
+    assert Tolerances(WIDE, tighter=True).of_tip_in(zigzag) == WIDE
+    assert Tolerances(WIDE, tighter=True).of_tip_in(path) == Tolerances(WIDE, tighter=True)
+    for wrong in ({"program": True, "tighter": True}, {"side": "above", "tighter": True}):
+        with pytest.raises(UsageError):
+            Tolerances(WIDE, **wrong)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_product_counts_for_what_the_program_asks_too(zigzag, factor):
+    path = replace(zigzag, tip_tolerance=np.where(np.arange(len(zigzag)) % 2, NARROW, np.nan))
+    asked = Tolerances(WIDE, {"N90": 1e-6}, program=True)
+    assert (factor * asked).tip_along(path) == pytest.approx(factor * asked.tip_along(path))
+
+
 def test_text_is_read_and_written():
     read = Tolerances.parse("20um, finish:5um,T2:8um,N100-N250:5um", units.parse_length, 10e-6)
     assert read.default == pytest.approx(20e-6) and not read.program

@@ -111,8 +111,7 @@ def test_width_of_a_ball_in_a_plane():
     segment = 0.005**2 * math.acos(1.0 - BALL / 0.005) - (0.005 - BALL) * math.sqrt(0.01 * BALL - BALL**2)
     # over ten cells of the way
     assert engagement.removed[-20:].mean() == pytest.approx(segment * 1e-4, rel=0.02)
-    # the widest slice has its middle up to half a slice below the plane
-    assert 0.94 < engagement.width[-1] / (2.0 * math.sqrt(0.01 * BALL - BALL**2)) <= 1.001
+    assert 0.98 < engagement.width[-1] / (2.0 * math.sqrt(0.01 * BALL - BALL**2)) <= 1.001
     assert engagement.depth[-1] == pytest.approx(BALL, abs=2e-5)
 
 
@@ -120,8 +119,17 @@ def test_the_end_cuts_in_a_plunge():
     engagement, _, stock = plunged(tool("flat")).cut(DEFAULT, 5)
     assert engagement.bottom[-1] == 1.0 and engagement.along[-1] == pytest.approx(-1.0)
     assert len(engagement.slice) == 0
+    assert engagement.width[-1] == pytest.approx(0.01, rel=1e-3)
     assert engagement.removed.sum() == pytest.approx(math.pi * 25e-6 * DEPTH, rel=5e-3)
     assert stock.volume_by_rays() == pytest.approx(stock.volume(), rel=1e-3)
+
+
+def test_a_drill_is_as_wide_as_its_hole_in_slices_of_any_height():
+    figures = tool("drill", point_angle=math.radians(118.0))
+    tip = straight((0.0, 0.0, 0.001), (0.0, 0.0, -0.0038))
+    stock = DexelStock.box((-0.007, -0.007, -0.008), (0.007, 0.007, 0.0), DEFAULT)
+    widths = stock.cut(ToolProfile.of(figures), stations(tip), slice_height=8e-4).width
+    assert widths.max() == pytest.approx(0.01, rel=0.005)
 
 
 def test_nothing_is_told_of_a_way_that_is_cut_already():

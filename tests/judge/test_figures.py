@@ -10,7 +10,7 @@ import pytest
 
 from tests.support import motions
 from toolpace.judge.figures import EARLY, Figures
-from toolpace.judge.usage import UsageFigures
+from toolpace.judge.usage import TOGETHER, UsageFigures
 
 POINTS = motions.set_points()
 DURATION = float(POINTS.t[-1])
@@ -114,7 +114,7 @@ def usage_of(jerk, limit):
     given = {"usage": {**said, "jerk": dict.fromkeys(machine.joints, jerk), "feed": 0.0}}
     found = UsageFigures(given, POINTS, machine, None, None, 1e-3)
     known = ["feed", *(f"{kind} {joint}" for kind in ("velocity", "acceleration", "jerk") for joint in machine.joints)]
-    return found.of_usage(), found.shares(known)
+    return found.of_usage(), found.shares(known)[1]
 
 
 def test_of_a_jerk_limit_that_is_none_nothing_is_used():
@@ -147,11 +147,28 @@ def test_the_share_of_what_binds_is_that_of_its_set_points():
     use[still] = 1.0
     for jerk in (None, 0.5):
         said = {"usage": {"jerk": dict.fromkeys(machine.joints, jerk)}}
-        shares = UsageFigures(said, POINTS, machine, None, SimpleNamespace(ratio=use), 1e-3).shares(known)
+        least, most = UsageFigures(said, POINTS, machine, None, SimpleNamespace(ratio=use), 1e-3).shares(known)
         binds = np.abs(POINTS.qdd[:, -1]) >= 0.995 * limit[-1]
-        assert {name: share for name, share in shares.items() if share} == {
-            "feed": 2.0 / n, f"acceleration {last}": binds.sum() / n
+        assert least == most and {name: share for name, share in most.items() if share} == {
+            "feed": 2.0 / n, f"acceleration {last}": binds.sum() / n, TOGETHER: pytest.approx((binds.sum() + 2) / n)
         }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "good"),
+    [(1.0, 0.0, True), (0.0, 1.0, True), (0.3, 0.7, True), (0.0, 0.0, False), (0.5, 0.0, False)],
+)
+def test_of_joints_on_a_diagonal_either_may_be_what_binds(first, second, good):
+    """Both reach their limits at once; that one of them does is certain."""
+    peaks, machine = motions.peaks(POINTS), motions.machine()
+    x, y = machine.joints[:2]
+    still, both = np.zeros_like(POINTS.qd), np.arange(len(machine.joints)) < 2
+    diagonal = replace(POINTS, qd=still, qdd=still, qddd=still + peaks["jerk"][0] * both)
+    machine = motions.with_limits(machine, jerk=np.full(len(machine.joints), peaks["jerk"][0]))
+    said = {f"jerk {x}": first, f"jerk {y}": second, "nothing": 1.0 - first - second}
+    figures = {"limited_by": said, "usage": {"jerk": dict.fromkeys(machine.joints, 1.0)}}
+    (check,) = UsageFigures(figures, diagonal, machine, None, None, 1e-3).of_shares()
+    assert check.ok == good
 
 
 def test_where_no_feed_is_asked_for_none_is_used():

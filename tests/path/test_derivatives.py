@@ -36,6 +36,17 @@ def test_right_derivatives_are_taken() -> None:
     assert tp.plan(path, machine, bound=False).usage().worst <= 1.0001
 
 
+def test_a_joint_that_stands_but_for_rounding_of_larger_terms_is_taken() -> None:
+    """A sum of terms of 0.2 m that cancel, as inverse kinematics of a standing tip give them."""
+
+    def joints(s: np.ndarray, order: int) -> np.ndarray:
+        wave = np.stack([0.2 * np.sin(k * s + 0.5 * np.pi * order) * float(k) ** order for k in range(1, 9)])
+        rest = sum(wave) - sum(wave[::-1])
+        return np.stack([wave[1], 1e-3 * rest if order == 0 else 0.0 * s], axis=1)
+
+    assert tp.plan(tp.AxisPath.from_callable(joints, 0.0, 1.0), tp.Limits([1.0] * 2, [1.0] * 2, [10.0] * 2)).gap < 0.01
+
+
 @pytest.mark.parametrize("factor", [0.0, 0.5, 0.99, 1.01, 2.0, -1.0, 180.0 / np.pi])
 @pytest.mark.parametrize("part", [0, 1])
 @pytest.mark.parametrize("wrong", [1, 2, 3])

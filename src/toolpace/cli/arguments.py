@@ -78,7 +78,7 @@ def one_machine(name: str | None, toml: bool, poses: bool) -> str:
 
 def tolerances(typed: TypedTolerances) -> tuple[float | Tolerances, float | Tolerances]:
     """Both tolerances [m], [rad], above zero: numbers, or by operation, tool and blocks."""
-    from toolpace.cli.options import AXIS_TOLERANCE, TIP_TOLERANCE, TOLERANCES_OF_PROGRAM
+    from toolpace.cli.options import AXIS_TOLERANCE, TIGHTER_TOLERANCES, TIP_TOLERANCE, TOLERANCES_OF_PROGRAM
     from toolpace.programs.tolerances import SIDES, Tolerances
 
     metres = _above_zero("--tip-tolerance", units.parse_length, TIP_TOLERANCES, units.format_length, "0.001mm")
@@ -86,7 +86,8 @@ def tolerances(typed: TypedTolerances) -> tuple[float | Tolerances, float | Tole
     words = typed.tip_tolerance
     if typed.side != "both":
         # a side goes with one tolerance for all
-        words = f"{TIP_TOLERANCE if words == TOLERANCES_OF_PROGRAM.tip_tolerance else words},{typed.side}"
+        untyped = words in (TOLERANCES_OF_PROGRAM.tip_tolerance, TIGHTER_TOLERANCES.tip_tolerance)
+        words = f"{TIP_TOLERANCE if untyped else words},{typed.side}"
     if typed.side not in SIDES:
         raise UsageError(f"--side {typed.side[:40]}: {did_you_mean(typed.side, SIDES)}")
     of_tip = Tolerances.parse(words, metres, metres(TIP_TOLERANCE))
@@ -209,12 +210,12 @@ def control_model(name: str | None) -> str | None:
     raise UsageError(f"--model '{name[:40]}' is not known; {did_you_mean(name, MODELS)}")
 
 
-def folder_for_results(out: str) -> Path:
+def folder_for_results(out: str, option: str = "--out") -> Path:
     """The folder for the results, found fit for them before work that may take minutes."""
     try:
         folder_to_write(out)
     except UsageError as error:
-        raise UsageError(f"--out {error}") from None
+        raise UsageError(f"{option} {error}") from None
     return Path(out)
 
 

@@ -32,7 +32,8 @@ TipTolerance = Annotated[
     str,
     Parameter(
         help="Tolerance of the tip: how far a smooth path may be from the program: 0.01mm, 5um, 0.0004in. By operation,"
-        " tool or blocks: 20um,finish:5um,T2:8um,N100-N250:5um. As the program asks: program,10um."
+        " tool or blocks: 20um,finish:5um,T2:8um,N100-N250:5um. As the program asks: program,10um; where it asks for"
+        " less: tighter,10um."
     ),
 ]
 AxisTolerance = Annotated[
@@ -63,6 +64,8 @@ class Tolerances:
 
 
 USUAL_TOLERANCES = Tolerances()
+TIGHTER_TOLERANCES = Tolerances(f"tighter,{TIP_TOLERANCE}", f"tighter,{AXIS_TOLERANCE}")
+"""The usual ones, or what the program asks for where that is less."""
 TOLERANCES_OF_PROGRAM = Tolerances(f"program,{TIP_TOLERANCE}", f"program,{AXIS_TOLERANCE}")
 """What the program asks for itself; where it asks for none, the usual ones."""
 Effort = Annotated[

@@ -15,6 +15,7 @@ from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.machine.limits import KINDS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
+from toolpace.programs.tolerances import TIGHTER
 from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.results.write import PlanRecord
-    from toolpace.results.write.plan_json import BendingRecord, OpenPlaceRecord
+    from toolpace.results.write.plan_json import BendingRecord, CutRecord, OpenPlaceRecord
 
 LEAST_GAIN = 5e-4
 """Share of the duration from which the iterations count as a saving."""
@@ -38,6 +39,8 @@ SENTENCES = 12
 """How many operations, and how many assumptions, are listed."""
 LEAST_PRICE = 5e-5
 """Share of the duration that one percent more of a limit must save for it to be listed."""
+LEAST_UNSURE = 0.05
+"""Time that depends on where the stock ends from which it is shown [s]."""
 FULL = 0.999
 """Utilisation from which a limit counts as fully used."""
 
@@ -64,6 +67,9 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     if record.operations:
         for k, sentence in enumerate(times_in_words(record)):
             grid.add_row("" if k else "operations", Text(sentence))
+    if record.cut is not None:
+        for k, sentence in enumerate(cut_in_words(record.cut)):
+            grid.add_row("" if k else "at feed", Text(sentence, style="bold red" if "collision" in sentence else ""))
     for k, sentence in enumerate(record.assumed[:SENTENCES]):
         grid.add_row("" if k else "assumed", Text(sentence))
     if len(record.assumed) > SENTENCES:
@@ -105,6 +111,19 @@ def times_in_words(record: PlanRecord) -> list[str]:
         lines.append(f"{name}: {format_time(each.time_s)} ({times})")
     more = len(several) - SENTENCES
     return lines + ([f"and {more} more: see plan.json"] if more > 0 else [])
+
+
+def cut_in_words(cut: CutRecord) -> list[str]:
+    """ "in material 3 min 10 s, in air 1 min 2 s; not sure 0.4 s, by where the stock ends", and whether there are
+    collisions."""
+    times = f"in material {format_time(cut.cutting_s)}, in air {format_time(cut.air_s)}"
+    if cut.uncertain_s >= LEAST_UNSURE:
+        ends = format_length(cut.uncertainty_mm * MILLIMETRE)
+        times += f", either of both {format_time(cut.uncertain_s)}, as the stock ends within {ends}"
+    lines = [f"{times}; {cut.removed_mm3 / 1e3:.4g} cm3 removed"]
+    if cut.collisions:
+        lines.append(f"{counted(cut.collisions, 'collision')} with the stock or what is around it: see toolpace cut")
+    return lines
 
 
 def near_in_words(share: float | None) -> str:
@@ -232,7 +251,7 @@ def reading_in_words(record: PlanRecord) -> str:
             ("axis", record.axis_tolerance_deg, "deg", record.axis_tolerances),
         ):
             tolerance = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
-            words.append(f"{part} {places}" if places else tolerance)
+            words.append(f"{part} {_places_in_words(places)}" if places else tolerance)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
     else:
         words.append("limits of the machine alone, no program")
@@ -248,6 +267,13 @@ def reading_in_words(record: PlanRecord) -> str:
     words += [f"table in {how.units}"] if how.units else []
     words += [f"at most {how.max_blocks} blocks"] if how.max_blocks is not None else []
     return ", ".join(words)
+
+
+def _places_in_words(places: str) -> str:
+    """Tolerances by place: "10um,finish:5um"; "10um, less where the program asks for less" of tighter ones."""
+    parts = places.split(",")
+    left = ",".join(part for part in parts if part != TIGHTER)
+    return f"{left}, less where the program asks for less" if TIGHTER in parts else left
 
 
 def wider_than_default(record: PlanRecord) -> str:

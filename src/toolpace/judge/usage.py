@@ -22,6 +22,10 @@ PRICES = 0.01
 """Of the time of motion, by which what the prices of limits sum to may differ from it: 2e-3 on the coarsest meshes."""
 BINDING = 0.995
 """Share of a limit from which it counts as binding."""
+TOGETHER = "all limits together"
+"""Name of the share of time in which any limit binds."""
+TIED = 1e-3
+"""Share of a limit by which another may be used less than the one that is used most, and be the one that binds."""
 LOOK = 1e-3
 """Share by which a peak may be higher than what is said of it: far below a limit, peaks are looked for at places."""
 ROUNDED = 1e-5
@@ -125,15 +129,19 @@ class UsageFigures:
             right = float(self.toolpath.dwell.sum()) / float(self.said["duration_s"])
             ok = abs(said.get("dwell", 0.0) - right) <= DWELLS
             checks.append(Check("plan.json limited_by dwell", said.get("dwell", 0.0), right, "", ok))
-        found = self.shares(limits)
-        off = {name: abs(said.get(name, 0.0) - found.get(name, 0.0)) for name in limits}
         if self.feed_use is None or (self.toolpath is not None and (self.toolpath.least_time > 0.0).any()):
             # What a block's least time holds back counts as feed, and does not show in the speed of the tip.
-            del off["feed"]
+            limits.remove("feed")
+        least, most = self.shares(limits)
+        shares = {name: said.get(name, 0.0) for name in limits}
+        shares[TOGETHER] = sum(shares.values())
+        off = {name: max(least[name] - share, share - most[name]) for name, share in shares.items()}
         worst = max(off, key=lambda name: off[name])
         granted = SHARE + 20.0 / len(self.points)
-        note = f"{worst}: says {said.get(worst, 0.0):.4g}, by the set-points {found.get(worst, 0.0):.4g}"
-        return [*checks, Check("plan.json limited_by", off[worst], granted, "", off[worst] <= granted, note=note)]
+        between = f"{least[worst]:.4g}" + (f" to {most[worst]:.4g}" if most[worst] > least[worst] else "")
+        note = f"{worst}: says {shares[worst]:.4g}, by the set-points {between}"
+        passed = off[worst] <= granted
+        return [*checks, Check("plan.json limited_by", max(off[worst], 0.0), granted, "", passed, note=note)]
 
     def of_prices(self) -> list[Check]:
         """What more of each limit would gain: k times the velocity, k^2 the acceleration and k^3 the jerk of a motion
@@ -151,8 +159,11 @@ class UsageFigures:
         ok = abs(total - moving) <= PRICES * moving
         return [Check("plan.json prices_s", total, moving, "s", ok, note="their sum, against the time of motion")]
 
-    def shares(self, names: list[str]) -> dict[str, float]:
-        """The same, by the set-points."""
+    def shares(self, names: list[str]) -> tuple[dict[str, float], dict[str, float]]:
+        """The least and the largest share of each, and of all of them together, that the set-points show.
+
+        Joints on a diagonal reach their limits at once: which of them binds is a matter of rounding.
+        """
         points, limits = self.points, self.machine.limits
         ratios = [np.zeros(len(points))]
         if self.feed_use is not None:
@@ -163,10 +174,16 @@ class UsageFigures:
         if None in self.said["usage"]["jerk"].values():
             # Where accelerations jump, jerk limits are not held, and hold nothing back.
             ratio = ratio[:, : 1 + 2 * len(limits)]
-        first = ratio.argmax(axis=1)
-        binds = ratio[np.arange(len(first)), first] >= BINDING
-        count = np.bincount(first[binds], minlength=len(names))
-        return {name: float(part) / len(points) for name, part in zip(names, count)}
+        highest = ratio.max(axis=1, keepdims=True)
+        binds = (highest >= BINDING) & (ratio >= highest - TIED)
+        first = names.index(f"{KINDS[0]} {self.machine.joints[0]}")
+        own, unjudged = binds[:, 1 - first :], binds[:, : 1 - first].any(axis=1)
+        alone = own & (np.count_nonzero(binds, axis=1, keepdims=True) == 1)
+        found = []
+        for each, together in ((alone, own.any(axis=1) & ~unjudged), (own, own.any(axis=1))):
+            share = dict.fromkeys(names, 0.0) | dict(zip(names, each.mean(axis=0).tolist()))
+            found.append(share | {TOGETHER: float(together.mean())})
+        return found[0], found[1]
 
 
 def _number(values: Mapping[str, float | None], joint: str) -> float:

@@ -21,8 +21,8 @@ WIDE_TIP, WIDE_AXIS = 2e-3, 0.04
 """Tolerances [m], [rad] from which on it is asked whether they are meant: 10 um is 1e-5."""
 LEAST_LEFT = 0.5
 """Share of a tolerance that is left at least where the program's way bows: of 1 um and less."""
-PROGRAM = "program"
-"""What says that the tolerances hold that the program tells itself."""
+PROGRAM, TIGHTER = "program", "tighter"
+"""What says that the tolerances hold that the program tells itself: all of them, or those below the default."""
 _BLOCKS = re.compile(r"(N?)(\d{1,9})(?:-(N?)(\d{1,9}))?", re.IGNORECASE)
 
 
@@ -33,7 +33,7 @@ class Tolerances:
     `Tolerances(20e-6, {"finish": 5e-6, "T2": 8e-6, "N100-N250": 5e-6})`: a place is the name of an operation, a tool
     (T and its number or name), the blocks from one N word to another, or lines as messages count them ("120-250").
     Of two places that hold the same block the later one counts. With `program=True` what the program asks for itself
-    (`ToolPath.tip_tolerance`, `axis_tolerance`) holds in place of the default.
+    (`ToolPath.tip_tolerance`, `axis_tolerance`) holds in place of the default; with `tighter=True` where it is less.
 
     `side` says where the tip may leave the program: "both", the default, is a ball about it. "outside" is the half of
     it out of the part, by the normals of the surface that the program tells (`ToolPath.normal`; the tool axis where it
@@ -45,10 +45,14 @@ class Tolerances:
     """Place and tolerance, in order."""
     program: bool
     """Whether the tolerances hold that the program tells."""
+    tighter: bool = False
+    """Whether they hold where they are below the default."""
     side: str = "both"
     """Of the program on which the tip may be: see SIDES."""
     most: float = math.inf
     """None is wider than this: see `within`."""
+    factor: float = 1.0
+    """By which those of the program count: see the product."""
 
     def __init__(
         self,
@@ -56,6 +60,7 @@ class Tolerances:
         places: Mapping[str, float] | Iterable[tuple[str, float]] = (),
         program: bool = False,
         side: str = "both",
+        tighter: bool = False,
     ) -> None:
         """Raises UsageError where a tolerance is not above zero and finite, or there is no such side."""
         pairs = tuple(places.items() if isinstance(places, Mapping) else places)
@@ -68,13 +73,20 @@ class Tolerances:
                 )
         if side not in SIDES:
             raise UsageError(f"side is {str(side)[:40]!r}; {did_you_mean(str(side), SIDES)}")
-        if side != SIDES[0] and (pairs or program):
-            raise UsageError(f"side {side} goes with one tolerance of the tip for all: leave out places and 'program'")
+        if side != SIDES[0] and (pairs or program or tighter):
+            raise UsageError(
+                f"side {side} goes with one tolerance of the tip for all: leave out places, '{PROGRAM}' and '{TIGHTER}'"
+            )
+        if program and tighter:
+            raise UsageError(f"a tolerance is as the program asks everywhere, '{PROGRAM}', or where it asks for less,"
+                             f" '{TIGHTER}': name one of them")
         object.__setattr__(self, "default", float(default))
         object.__setattr__(self, "side", side)
         object.__setattr__(self, "places", tuple((place, float(value)) for place, value in pairs))
         object.__setattr__(self, "program", program)
+        object.__setattr__(self, "tighter", tighter)
         object.__setattr__(self, "most", math.inf)
+        object.__setattr__(self, "factor", 1.0)
 
     @classmethod
     def of(cls, tolerance: float | Tolerances, name: str) -> Tolerances:
@@ -89,12 +101,12 @@ class Tolerances:
 
     @classmethod
     def parse(cls, text: str, quantity: Callable[[str], float], default: float) -> Tolerances:
-        """From text such as "20um,finish:5um": the default, and places with their own; "program" where these hold.
+        """From text such as "20um,finish:5um": the default, and places with their own; "program" or "tighter".
 
         `quantity` makes a number of "20um", `default` holds where none is told. Raises UsageError.
         """
         of_all: float | None = None
-        places, program, side = [], False, SIDES[0]
+        places, program, tighter, side = [], False, False, SIDES[0]
         for part in (part.strip() for part in text.split(",")):
             place, colon, value = part.rpartition(":")
             if colon:
@@ -103,24 +115,26 @@ class Tolerances:
                 places.append((place.strip(), quantity(value)))
             elif part.lower() == PROGRAM:
                 program = True
+            elif part.lower() == TIGHTER:
+                tighter = True
             elif part.lower() in SIDES:
                 side = part.lower()
             elif of_all is None:
                 of_all = quantity(part)
             else:
                 raise UsageError(f"'{text[:60]}' has two tolerances for all: name the place of one, like finish:{part}")
-        return cls(default if of_all is None else of_all, places, program, side)
+        return cls(default if of_all is None else of_all, places, program, side, tighter)
 
     def text(self, quantity: Callable[[float], str]) -> str:
         """The text that `parse` makes it from."""
         places = [f"{place}:{quantity(value)}" for place, value in self.places]
-        words = [*([PROGRAM] if self.program else []), *([self.side] if self.one_sided else [])]
+        words = [PROGRAM] * self.program + [TIGHTER] * self.tighter + [self.side] * self.one_sided
         return ",".join([quantity(self.default), *words, *places])
 
     @property
     def everywhere(self) -> bool:
         """Whether it is the same at all places, and on both sides."""
-        return not self.places and not self.program and not self.one_sided
+        return not self.places and not self.program and not self.tighter and not self.one_sided
 
     @property
     def one_sided(self) -> bool:
@@ -133,19 +147,33 @@ class Tolerances:
         return min([self.default, *(value for _, value in self.places)])
 
     def __mul__(self, factor: float) -> Tolerances:
-        """All of them, as many times as wide; not those that the program tells. Raises UsageError."""
-        if self.program:
-            raise UsageError("tolerances that the program tells cannot be made wider or narrower")
+        """All of them, those of the program too, as many times as wide."""
         places = [(place, factor * value) for place, value in self.places]
-        return Tolerances(factor * self.default, places, side=self.side)
+        found = Tolerances(factor * self.default, places, self.program, self.side, self.tighter)
+        object.__setattr__(found, "most", factor * self.most)
+        object.__setattr__(found, "factor", factor * self.factor)
+        return found
 
     __rmul__ = __mul__
 
     def within(self, most: float) -> Tolerances:
         """All of them, none wider than `most`."""
-        found = Tolerances(self.default, self.places, self.program, self.side)
+        found = 1.0 * self
         object.__setattr__(found, "most", min(self.most, most))
         return found
+
+    def of_tip_in(self, toolpath: ToolPath) -> float | Tolerances:
+        """These of the tip; the default alone where they are that all along a tool path that asks for nothing less."""
+        return self._if_asked_in(toolpath.tip_tolerance)
+
+    def of_axis_in(self, toolpath: ToolPath) -> float | Tolerances:
+        """The same of the tool axis."""
+        return self._if_asked_in(toolpath.axis_tolerance)
+
+    def _if_asked_in(self, programmed: Floats) -> float | Tolerances:
+        if not self.tighter or np.any(programmed < self.default):
+            return self
+        return Tolerances(self.default, self.places) if self.places else self.default
 
     def tip_along(self, toolpath: ToolPath) -> Floats:
         """(n,) of the tip on the way to each point [m]. Raises UsageError where there is no such place."""
@@ -187,7 +215,9 @@ class Tolerances:
     def _along(self, toolpath: ToolPath, programmed: Floats) -> Floats:
         found = np.full(len(toolpath), self.default)
         if self.program:
-            found = np.where(np.isnan(programmed), found, programmed)
+            found = np.where(np.isnan(programmed), found, self.factor * programmed)
+        elif self.tighter:
+            found = np.fmin(found, self.factor * programmed)
         for place, value in self.places:
             found[points_of(place, toolpath)] = value
         # no way leads to the first point

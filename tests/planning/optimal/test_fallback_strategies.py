@@ -27,21 +27,27 @@ def planned(seed, **options):
 
 
 @pytest.mark.parametrize(
-    ("seed", "family", "before", "word"),
+    ("seed", "family", "before", "after", "word"),
     [
-        (1000071, "kinks", 0.097, "the lower bound was loose"),
-        (1000218, "narrow_bends", 0.023, "the lower bound was loose"),
-        (1000185, "slow_spots", 0.049, "the lower bound had too few nodes"),
-        (1004403, "random_knots", 0.061, "the mesh was too coarse"),
+        (1000071, "kinks", 0.097, 0.01, "the lower bound was loose"),
+        (1000218, "narrow_bends", 0.023, 0.01, "the lower bound was loose"),
+        (1000185, "slow_spots", 0.049, 0.01, "the lower bound had too few nodes"),
+        (1004403, "random_knots", 0.061, 0.0111, "the mesh was too coarse"),
     ],
 )
-def test_a_gap_is_closed_and_explained(seed, family, before, word):
+def test_a_gap_is_closed_and_explained(seed, family, before, after, word):
     assert random_plan(seed).family == family
     trajectory = planned(seed)
-    assert trajectory.gap < 0.02 < before
+    assert trajectory.gap <= after < before
     (note,) = trajectory.notes
     assert word in note and f"gap of {100.0 * before:.1f} %" in note
     assert used_by_positions(trajectory).max() < 1.0001
+
+
+def test_a_mesh_that_led_astray_by_little_is_given_up():
+    """Its end in motion: the first mesh is 1.6 % slower than one of half as many cells."""
+    trajectory = planned(7000000000310)
+    assert trajectory.gap < 0.001 and "cells the motion is 1.6" in trajectory.notes[0]
 
 
 def test_a_plan_that_the_guard_made_slow_is_tried_again_without_a_bound_too(monkeypatch):
@@ -105,12 +111,12 @@ LOOSE, NOTHING, LEFT = "the lower bound was loose", "branch and bound", "the rem
 @pytest.mark.parametrize(
     ("stands", "proofs", "finer", "fewer", "gap", "words"),
     [
-        (0.9, [0.01], None, 0.5, 0.01, [LOOSE]),
-        (0.9, [0.05], 0.015, 0.5, 0.015, [LOOSE, "finer"]),
-        (0.9, [0.05, 0.01], 0.3, 0.5, 0.01, [LOOSE, "finer", LOOSE]),
+        (0.9, [0.008], None, 0.5, 0.008, [LOOSE]),
+        (0.9, [0.05], 0.009, 0.5, 0.009, [LOOSE, "finer"]),
+        (0.9, [0.05, 0.008], 0.3, 0.5, 0.008, [LOOSE, "finer", LOOSE]),
         (0.9, [0.05, 0.3], 0.3, 1.1, 0.3, [LOOSE, "finer", NOTHING, LEFT]),
         (0.9, [0.05], None, None, 0.05, [LOOSE, "finer", LEFT]),
-        (0.1, [0.01], 0.1, 0.5, 0.01, ["finer", LOOSE]),
+        (0.1, [0.008], 0.1, 0.5, 0.008, ["finer", LOOSE]),
         (0.1, [0.25], None, 0.9995, 0.2, ["finer", NOTHING, LEFT]),
         (0.1, [0.25], None, 0.7, 0.001, ["finer", NOTHING, FASTER]),
     ],

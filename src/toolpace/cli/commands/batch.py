@@ -52,7 +52,10 @@ class Each:
 
     tip_tolerance: Annotated[
         list[str] | None,
-        Parameter(negative="", help="Tolerance of the tip; by default 0.01mm, or with --what time the program's."),
+        Parameter(
+            negative="",
+            help="Tolerance of the tip; by default 0.01mm, or less as the program asks; --what time: the program's.",
+        ),
     ] = None
     axis_tolerance: Annotated[
         list[str] | None,
@@ -208,7 +211,7 @@ def batch_command(
         toolpace batch parts/ --what inspect
         toolpace batch parts/ -m my-mill.toml --what export --to table
     """
-    from toolpace.cli.commands.batch_progress import run_jobs
+    from toolpace.cli.batch_progress import run_jobs
 
     client = where.client()
     request = BatchRequest(programs, machine, what, to, each, files, reading)

@@ -45,6 +45,8 @@ DIGITS = 10
 """Of the key, in the name of a folder."""
 LONGEST_STEM = 60
 """Characters of a program's name in that of a folder."""
+USUAL_TIP, USUAL_AXIS = 0.01 * MILLIMETRE, 0.05 * DEGREE
+"""Tolerances of a plan where none are named [m], [rad]; less where the program asks for less."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +59,8 @@ class BatchJob:
     what: str = "plan"
     """plan; time: on its control, and the optimum; inspect: what it asks for; export: plan, and files for a control."""
     tip_tolerance: float | None = None
-    """[m]. None: that of the program, else of its control, for `time`, and 0.01 mm for all else."""
+    """[m]. None: that of the program, else of its control, for `time`; for all else 0.01 mm, or less where the program
+    asks for less."""
     axis_tolerance: float | None = None
     """[rad]. None: as of the tip, and 0.05 deg."""
     planner: str = "optimal"
@@ -105,12 +108,10 @@ class BatchJob:
         refuse_unknown("what", self.what, KINDS)
         refuse_unknown("planner", self.planner, tuple(PLANNERS))
         refuse_unknown("effort", self.effort, EFFORTS)
-        for name, usual, bounds, show in (
-            ("tip_tolerance", 0.01 * MILLIMETRE, TIP_TOLERANCES, format_length),
-            ("axis_tolerance", 0.05 * DEGREE, AXIS_TOLERANCES, format_angle),
+        for name, bounds, show in (
+            ("tip_tolerance", TIP_TOLERANCES, format_length),
+            ("axis_tolerance", AXIS_TOLERANCES, format_angle),
         ):
-            if getattr(self, name) is None and self.what != "time":
-                object.__setattr__(self, name, usual)
             if getattr(self, name) is not None:
                 refuse_beyond(name, getattr(self, name), bounds, show)
         refuse_beyond("dt", self.dt, TIME_STEPS, format_time)
@@ -128,6 +129,12 @@ class BatchJob:
         if self.what == "export" and self.npz == "no":
             raise UsageError("what = export needs set-points: leave npz as it is")
         self._check_words()
+
+    def widest_tolerances(self) -> tuple[float | None, float | None]:
+        """Of tip [m] and tool axis [rad]; None of `time` where they are the program's."""
+        if self.what == "time":
+            return self.tip_tolerance, self.axis_tolerance
+        return self.tip_tolerance or USUAL_TIP, self.axis_tolerance or USUAL_AXIS
 
     def _check_words(self) -> None:
         """Raise UsageError where a feed, a model or a target is none, before any job has begun."""
@@ -178,6 +185,10 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
     """Of the plan; of `time`, on the control."""
     optimum_s: float | None = None
     """Of `time`: of the fastest motion."""
+    air_s: float | None = None
+    """Time at feed in which nothing is cut, where the set-up sheet names a stock."""
+    material_s: float | None = None
+    """Time at feed in which something is."""
     lower_bound_s: float | None = None
     gap: float | None = None
     limited_by: dict[str, float] = {}
@@ -218,14 +229,15 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
 def waiting(job: BatchJob) -> BatchRow:
     """The row of a job that has not begun."""
     machine = job.machine.name if isinstance(job.machine, Machine) else str(job.machine or "")
+    tip, axis = job.widest_tolerances()
     return BatchRow(
         program=printable(str(job.program)),
         machine=printable(machine),
         what=job.what,
         planner=job.planner,
         effort=job.effort,
-        tip_tolerance_mm=None if job.tip_tolerance is None else job.tip_tolerance / MILLIMETRE,
-        axis_tolerance_deg=None if job.axis_tolerance is None else job.axis_tolerance / DEGREE,
+        tip_tolerance_mm=None if tip is None else tip / MILLIMETRE,
+        axis_tolerance_deg=None if axis is None else axis / DEGREE,
         feed=job.feed,
         report=job.report or job.what not in ("plan", "export"),
     )

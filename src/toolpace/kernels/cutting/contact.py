@@ -27,6 +27,8 @@ APART = 2.0
 """Cells between two places that are looked at, at least: a contact that is narrower may not be seen."""
 FAR = 3.0
 """Cells beyond which depths are cut off."""
+FULL = 1.0 - 1e-9
+"""Share of the radius from which a cut reaches the side of the tool."""
 SURE = 0.5
 """Share of a depth within which there is no border."""
 
@@ -40,6 +42,8 @@ class Slices(NamedTuple):
     """Of the outward normal, across the axis."""
     along: Floats
     """Of the outward normal, along the axis."""
+    upper_radius: Floats
+    """At their upper ends."""
     flat: float
     """Radius of the flat end; 0: none."""
     height: float
@@ -152,12 +156,15 @@ def slice_arcs(
 
 
 @jit()
-def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: float) -> float:
-    """The share of the flat end, by area, that moves into material."""
+def flat_contact(
+    field: Field, pose: Floats, radius: float, cell: float, least: float
+) -> tuple[float, float, float]:
+    """The share of the flat end, by area, that moves into material, and how far that reaches to the left of the axis
+    and to the right of it (below zero)."""
     rings = min(max(math.ceil(radius / cell), 2), 24)
-    found, ahead = 0.0, 0
+    found, left, right, ahead = 0.0, -radius, radius, 0
     if -pose[MOTION, 2] + radius * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1])) <= 0.0:
-        return found
+        return found, left, right
     for ring in range(rings):
         r = radius * (ring + 0.5) / rings
         samples = min(max(math.ceil(TURN * r / cell), 6), 96)
@@ -168,9 +175,12 @@ def flat_share(field: Field, pose: Floats, radius: float, cell: float, least: fl
             down = -pose[MOTION, 2] + r * (pose[TURNING, 0] * math.sin(phi) - pose[TURNING, 1] * math.cos(phi))
             if down > LEAST_CHIP * (abs(pose[MOTION, 0]) + abs(pose[MOTION, 1])):
                 depth, ahead = depth_on(field, pose, 0.0, r, phi, FAR * cell, ahead)
-                inside += depth > least
+                if depth > least:
+                    inside += 1
+                    reach = (r + 0.5 * radius / rings) * math.cos(phi)
+                    left, right = max(left, reach), min(right, reach)
         found += (2 * ring + 1) * inside / samples
-    return found / (rings * rings)
+    return found / (rings * rings), left, right
 
 
 @jit()
@@ -201,7 +211,8 @@ def contact(
     last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
     low_phi, high_phi = 0.0, 0.0
-    width = 0.0
+    # of the highest slice so far: width in its middle, and by how much it is wider at its upper end
+    width, middle, growth = 0.0, 0.0, 0.0
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
@@ -218,7 +229,10 @@ def contact(
                     right = -1.0
                 if b >= TURN:
                     left = 1.0
-            width = max(width, slices.radius[j] * (left - right))
+            width, middle = max(width, middle + growth), slices.radius[j] * (left - right)
+            # where it reaches the side of the tool, it grows with the tool
+            sides = (1.0 if left > FULL else 0.0) + (1.0 if right < -FULL else 0.0)
+            growth = max(slices.upper_radius[j] - slices.radius[j], 0.0) * sides
     depth = 0.0
     if lowest >= 0:
         low, high = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
@@ -227,5 +241,10 @@ def contact(
         if highest < last:
             high = height_of_border(field, pose, slices, highest, highest + 1, high_phi, most)
         depth = high - low
-    flat = flat_share(field, pose, slices.flat, cell, least) if slices.flat > 0.0 else 0.0
+        share = 2.0 * (high - slices.z[highest]) / slices.height
+        width = max(width, middle + growth * min(max(share, 0.0), 1.0))
+    flat = 0.0
+    if slices.flat > 0.0:
+        flat, left, right = flat_contact(field, pose, slices.flat, cell, least)
+        width = max(width, left - right)
     return count, width, depth, flat

@@ -45,15 +45,20 @@ def blocks_of(field: Field, blocks: Blocks) -> None:
 
 @jit()
 def depth_within(pieces: Floats, rho: float, z: float) -> float:
-    """Distance of a point within a solid from its surface."""
+    """Distance of a point within a convex solid from its surface.
+
+    The nearest place may be on a piece at other heights. A cone, continued, holds the whole solid, so that its distance
+    counts at any height; that of an arc counts where the nearest place is on the arc itself.
+    """
     nearest: float = min(z - pieces[0, Z0], pieces[len(pieces) - 1, Z1] - z)
     for k in range(len(pieces)):
-        if pieces[k, Z0] <= z <= pieces[k, Z1]:
-            a, b, arc = pieces[k, A], pieces[k, B], pieces[k, ARC]
-            if arc == 0.0:
-                nearest = min(nearest, (a + b * z - rho) / math.sqrt(1.0 + b * b))
-            elif rho > a:
-                nearest = min(nearest, arc - math.sqrt((rho - a) ** 2 + (z - b) ** 2))
+        a, b, arc = pieces[k, A], pieces[k, B], pieces[k, ARC]
+        if arc == 0.0:
+            nearest = min(nearest, (a + b * z - rho) / math.sqrt(1.0 + b * b))
+        elif rho > a:
+            out = math.sqrt((rho - a) ** 2 + (z - b) ** 2)
+            if pieces[k, Z0] <= b + arc * (z - b) / out <= pieces[k, Z1]:
+                nearest = min(nearest, arc - out)
     return nearest
 
 

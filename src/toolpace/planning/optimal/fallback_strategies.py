@@ -1,6 +1,6 @@
 """Fallback strategies for a plan far above its lower bound.
 
-gap of a run above a few percent:
+gap of a run above one percent:
   where most of it lies at places at which the relaxation stands still, the bound is loose there:
       ranges of speed, proved knot by knot                                                  (planning/bound/prove.py)
   where most of it lies elsewhere, the mesh is coarse there, for the motion or for the bound, which knows nodes only:
@@ -37,7 +37,7 @@ from toolpace.planning.optimal.solve import Stalled, pinned, slower
 from toolpace.planning.optimal.windows import solve_run
 from toolpace.planning.planned_run import EndState
 
-FAR = 0.02
+FAR = 0.01
 """Gap above which a plan is worth another try."""
 KNOTS_A_NODE = 120
 """How many knots the relaxations of a proof may have together, for each node of the plan: a few times its own work.
