@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from toolpace.programs.reading.controllers.controller import Controller, Sign
     from toolpace.programs.reading.controllers.tool_rules import ToolRule
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+    from toolpace.programs.speed_profile import SpeedProfile
     from toolpace.programs.stock_figures import Solid, StockFigures, WorkpieceFigures
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.tool_figures import Frustum, ToolFigures
@@ -163,6 +164,7 @@ __all__ = [
     "Sign",
     "Skipped",
     "Solid",
+    "SpeedProfile",
     "SpeedWeights",
     "Stations",
     "Status",
@@ -284,6 +286,7 @@ _HOME = {
     "Sign": "programs.reading.controllers.controller",
     "Skipped": "motion.trajectory",
     "Solid": "programs.stock_figures",
+    "SpeedProfile": "programs.speed_profile",
     "SpeedWeights": "path.fit.speed_weights",
     "Stations": "cutting.engagement.stations",
     "Status": "deflection.following",

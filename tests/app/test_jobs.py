@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.app_client import KLARTEXT, POCKET, REFUSED, app_client
 from toolpace import Machine
+from toolpace.app.worker import WorkerProcess
 from toolpace.common.errors import ToolpaceError
 from toolpace.results.write import read_plan
 
@@ -217,3 +218,24 @@ def test_a_link_that_was_put_in_place_of_a_result_leads_nowhere(tmp_path, app, p
     (tmp_path / "moved").rename(folder)
     report.write_bytes(kept)
     assert app.ask("GET", f"/report/{job}").status == 200
+
+
+@pytest.mark.sweep
+def test_a_process_that_dies_is_an_error_and_the_next_task_has_another(tmp_path):
+    worker = WorkerProcess(tmp_path)
+    with app_client(tmp_path, worker) as app:
+        part = app.upload("part.ngc", "G21\nG0 X0 Y0 Z0\n" + "G1 X10 F100\nG1 X0\n" * 2000 + "M2\n")
+        app.part(part)
+        dies, stops, left = (app.start(part, effort="low") for _ in range(3))
+
+        def begun(job):
+            app.wait(lambda: next(each for each in app.state()["jobs"] if each["id"] == job and each["steps"]))
+            return worker._process
+
+        begun(dies).kill()
+        assert "has ended" in app.job(dies)["error"]
+        begun(stops)
+        app.done("POST", f"/api/jobs/{stops}/stop")
+        assert (app.job(stops)["state"], app.job(stops)["error"]) == ("stopped", "")
+        last = begun(left)
+    assert last.poll() is not None and not list(tmp_path.glob("plans/*/plan.json"))

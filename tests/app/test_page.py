@@ -132,7 +132,7 @@ def started(folder):
 @pytest.mark.sweep
 def test_a_server_that_is_killed_in_mid_job_loses_nothing(tmp_path):
     """Three dialects, one of them refused and cured; two jobs at once; SIGKILL, and a second start."""
-    impeller = demo_programs.impeller_program(blocks_per_blade=80)
+    impeller = demo_programs.impeller_program(blocks_per_blade=40)
     with browser(width=700) as found:
         page = found.page
         with started(tmp_path / "app") as (process, address):

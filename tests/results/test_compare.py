@@ -32,6 +32,8 @@ def plans(tmp_path_factory):
     lines = text.splitlines()
     changed = "\n".join([*lines[:2], "(</script><b>slow</b>)", *lines[2:]]).replace("F2500", "F1250")
     (folder / "slow.ngc").write_text(changed)
+    (folder / "corner.ngc").write_text("G21 G90 G94\nG1 X0 Y0 Z50 A0 C0 F2000\nX9\nY9 C20\nM30\n")
+    assert main(["plan", str(folder / "corner.ngc"), *words[2:], str(folder / "corner")]) == 0
     slow = ["plan", str(folder / "slow.ngc"), *words[2:]]
     assert main([*slow, str(folder / "<b>slow")]) == 0
     return folder
@@ -185,7 +187,9 @@ def test_both_tools_run_and_every_place_leads_to_both(plans, page):
 
 @pytest.mark.browser
 def test_it_is_played_by_keys_and_names_are_text(plans, tmp_path):
-    page = tmp_path / "page.html"
+    """And a plan of another path runs beside, and gains nothing."""
+    page, apart = tmp_path / "page.html", tmp_path / "apart.html"
+    apart.write_text(comparison_page(compared([plans / "wide", plans / "corner"])), encoding="utf-8")
     page.write_text(comparison_page(compared([plans / "wide", plans / "<b>slow", plans / "tight"])), encoding="utf-8")
     with opened(page, width=700, scheme="dark") as found:
         press = found.page.keyboard.press
@@ -199,6 +203,7 @@ def test_it_is_played_by_keys_and_names_are_text(plans, tmp_path):
         found.wait("toolpace.state().t > 0.05")
         press("Space")
         assert found.run("toolpace.state().playing") is False
+        press("Home")
         press("p")
         assert found.page.locator('[data-axis="time"]').get_attribute("aria-pressed") == "true"
         # the other program, with its own lines
@@ -211,3 +216,9 @@ def test_it_is_played_by_keys_and_names_are_text(plans, tmp_path):
         assert found.page.locator("main b:has-text('slow')").count() == 0
         assert found.run("document.documentElement.scrollWidth") <= 701
         assert found.problems == []
+        found.page.goto(apart.as_uri())
+        found.wait("window.toolpaceReady")
+        state = found.run("(toolpace.seek(0.2), toolpace.state())")
+        assert state["plans"][1]["gained"] is None and state["plans"][1]["t"] == 0.2
+        assert found.page.locator("#ghosts").is_visible() and found.page.locator("[data-axis]").first.is_hidden()
+        assert found.page.locator('[data-tab="blocks"]').is_hidden() and found.problems == []

@@ -15,7 +15,6 @@ from toolpace.results.picture.draw import VIEWS, ShownPlan, picture
 from toolpace.results.picture.rasteriser import Canvas
 from toolpace.results.picture.solids import bodies_at, box, cylinder, machine_bodies, origin_of
 from toolpace.results.report.machine_view import machine_view
-from toolpace.results.workpiece import stock_stages
 
 PROGRAM = """G21 G90 G54
 T1 M6
@@ -50,9 +49,8 @@ def planned(tmp_path_factory):
     words = ["plan", str(place / "slot.ngc"), "-m", "xyzac-trunnion", "--setup", str(place / "sheet.toml")]
     assert main([*words, "--effort", "low", "--no-report", "--out", str(place / "plan")]) == 0
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stock_stages, "POINTS", 30)
         patch.setattr(draw, "PATH_POINTS", 1500)
-        shown = ShownPlan.load(place / "plan")
+        shown = ShownPlan.load(place / "plan", points=30)
         assert shown.path[0].shape == (1500,)
     return SimpleNamespace(place=place, shown=shown)
 

@@ -101,6 +101,7 @@ async function upload(files) {
   for (const file of [...files].sort((a, b) => later.test(a.name) - later.test(b.name))) {
     if (state && file.size > state.largest) { told.push(`${file.name}: is too large; ${Math.floor(state.largest / 1e6)} MB at most are taken`); continue; }
     const beside = later.test(file.name) && chosen ? `&part=${encodeURIComponent(chosen)}` : "";
+    if (!await file.slice(0, 1).arrayBuffer().catch(() => null)) { told.push(`${file.name}: cannot be read; drop the files of a folder, not the folder`); continue; }
     try {
       const found = await call("POST", `/api/files?name=${encodeURIComponent(file.name)}${beside}`, file);
       if (found.part) choose(found.part);

@@ -59,9 +59,14 @@ class WorkerProcess:
     def __init__(self, root: Path) -> None:
         self.root = root
         self._process: subprocess.Popen[bytes] | None = None
+        self._busy = threading.Lock()
 
     def carry_out(self, task: Task, tell: Tell) -> dict[str, Any]:
         """See `Worker`."""
+        with self._busy:
+            return self._carried_out(task, tell)
+
+    def _carried_out(self, task: Task, tell: Tell) -> dict[str, Any]:
         process = self._process
         if process is None or process.poll() is not None:
             process = self._process = self._started()
@@ -77,14 +82,29 @@ class WorkerProcess:
             if "error" in told:
                 raise ToolpaceError(told["error"])
             tell(told)
+        self._close()
         raise ToolpaceError(ENDED)
 
     def stop(self) -> None:
         """See `Worker`."""
-        if self._process is not None:
-            self._process.kill()
+        process = self._process
+        if process is not None:
+            process.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._process.wait(SLOWEST_END)
+                process.wait(SLOWEST_END)
+            if self._busy.acquire(blocking=False):  # else it is closed by the thread that reads its lines
+                self._close()
+                self._busy.release()
+
+    def _close(self) -> None:
+        """Let go of a process that has ended."""
+        process, self._process = self._process, None
+        if process is not None:
+            for pipe in (process.stdin, process.stdout):
+                assert pipe is not None
+                with contextlib.suppress(OSError):
+                    pipe.close()
+            process.wait()
 
     def _started(self) -> subprocess.Popen[bytes]:
         # -P: modules are not looked for in the folder that one happens to be in. In a session of its own Ctrl-C at the

@@ -37,7 +37,7 @@ Examples:
     toolpace export part-plan --to table            files that a control loads
     toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
-    toolpace app                      a page in the browser that does all of that
+    toolpace app                      a page in the browser: inspect, plan, compare, export
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
@@ -68,6 +68,9 @@ def plan_command(
     prove_within: options.ProveWithin = "60s",
     prices: options.Prices = False,
     feed: options.Feed = None,
+    allowed: feeds.AllowedInPlan = feeds.AS_PROGRAMMED,
+    resolution: cut.Resolution = None,
+    memory: cut.Memory = cut.MEMORY,
     bend: options.Bend = None,
     out: options.Out = None,
     tool_length: options.ToolLength = None,
@@ -91,6 +94,7 @@ def plan_command(
         toolpace plan part.ngc -m xyzac-trunnion --prices
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
+        toolpace plan part.ngc -m xyzac-trunnion --setup setup.toml --feeds limits --limit chip=0.08mm
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, summary
@@ -113,6 +117,7 @@ def plan_command(
         dialect=dialect,
         options=how,
         tool=arguments.tool_named(bend),
+        cut_options=allowed.of_plan(resolution, memory, bend),
         dt=arguments.time_step(files.dt),
         csv=files.csv,
         npz=arguments.form_of_set_points(files.npz),

@@ -149,7 +149,9 @@ def bending_in_words(bending: BendingRecord) -> str:
 def limit_in_words(name: str) -> str:
     """ "jerk C" is "jerk of C"."""
     kind, _, joint = name.partition(" ")
-    return "no limit reached" if name == "nothing" else f"{kind} of {joint}" if joint else kind
+    if name == "nothing":
+        return "no limit reached"
+    return f"{kind} of {joint}" if kind in KINDS else name
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -253,6 +255,8 @@ def reading_in_words(record: PlanRecord) -> str:
             tolerance = f"{part} {value:.6g} {unit}" if value else f"{part} tolerance not given"
             words.append(f"{part} {_places_in_words(places)}" if places else tolerance)
         words.append("feeds of the program" if record.feed is None else f"feeds changed to {record.feed}")
+        if record.cut_limits is not None:
+            words[-1] = f"speeds by its cut ({record.cut_limits.feeds})"
     else:
         words.append("limits of the machine alone, no program")
     words += [f"the tool bent as {record.bending.tool_file} says"] if record.bending is not None else []

@@ -61,8 +61,12 @@ class Stations:
     def shifted(self, shift: Floats, kept: Ints) -> ToolPath:
         """The tool path of the places `kept` (k,), with its tips moved by `shift` (n, 3) [m]."""
         path = self.toolpath
+        profile = path.speed_profile
+        if profile is not None:
+            profile = profile.along(kept.astype(np.float64), np.arange(float(len(kept))))
         return replace(
             path,
+            speed_profile=profile,
             tip=path.tip[kept] + shift[kept],
             axis=path.axis[kept],
             feed=path.feed[kept],
@@ -134,8 +138,12 @@ def with_points(toolpath: ToolPath, machine: Machine, origin: Ints, share: Float
         axis[~own] = great_circle(a, b, u[~own])
     begins = np.concatenate([[True], own[:-1]])
     part = share - np.where(begins, 0.0, np.concatenate([[0.0], share[:-1]]))
+    profile = toolpath.speed_profile
+    if profile is not None:
+        profile = profile.along(np.maximum(origin - 1.0 + share, 0.0), np.arange(float(len(origin))))
     return replace(
         toolpath,
+        speed_profile=profile,
         tip=tip,
         axis=axis,
         least_time=toolpath.least_time[origin] * part,

@@ -13,11 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from toolpace.common.arrays import Floats
 from toolpace.jobs import TimedSteps
 from toolpace.jobs.cut import CutRequest, ProgramCut, cut_program
+from toolpace.jobs.cut_options import speeds_reached
 
 if TYPE_CHECKING:
     from toolpace.controls.export.cut_feeds import FeedProgram
@@ -26,9 +24,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.feed_plan import FeedPlan
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.cutting.simulation.simulate import CutSimulation
-    from toolpace.machine.machine import Machine
     from toolpace.programs.reading import ReadOptions, Source
-    from toolpace.programs.toolpath import ToolPath
 
 
 @dataclass(frozen=True)
@@ -90,15 +86,6 @@ def control_time(
     moves = moves_of(source, request.machine, options, request.feed, request.dialect)
     time = time_of_moves(moves, request.machine, figures, options.setup.tool_change)
     return with_range(time, moves, request.machine, figures)
-
-
-def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures) -> Floats:
-    """(n,) mean speed of the tip on the way to each point by the model of the control [m/s]; 0 where it stands."""
-    from toolpace.controls.timing.program_time import moves_of_points, time_of_moves
-
-    times = time_of_moves(moves_of_points(toolpath, machine), machine, figures).times - toolpath.dwell
-    speeds: Floats = np.divide(toolpath.way_length, times, out=np.zeros(len(times)), where=times > 0.0)
-    return np.minimum(speeds, np.where(np.isfinite(toolpath.feed), toolpath.feed, speeds))
 
 
 def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:

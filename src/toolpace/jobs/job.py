@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.cutting.simulation.stock_range import Stock, StockRange
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -83,6 +84,8 @@ class Job:
     """How set-points are written: "full", "compact", "auto" or "no" (motion/set_point_files.py)."""
     tool: CuttingTool | None = None
     """The tool whose bending is compensated; None: it is stiff."""
+    cut_options: CutOptions | None = None
+    """By what the cut sets the speed; None: the program's feeds hold."""
     source: Source | None = None
     """The program, where it has been read already; else it is read from its file, once."""
 
@@ -99,19 +102,29 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
+        programmed, limits = toolpath, job.cut_options
+        if limits is not None:
+            within_cut = limits.plan(job, steps, toolpath, program_name(job))
+            toolpath = within_cut.fed(toolpath)
         job = engaged_by_stock(job, steps, toolpath)
         compensation = compensated_for_bending(job, steps, toolpath)
-        if compensation is None:
-            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
-        else:
+        if compensation is not None:
             planned = program_plan_of(compensation)
-        trajectory = with_proof(job, steps, planned.trajectory)
+        elif limits is not None:
+            planned = within_cut.plan
+        else:
+            planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
+        trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
         prices = priced(job, steps, trajectory)
         cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
     verification = verify_motion(steps, sampled.judge)
+    cut_limits = None
+    if limits is not None:
+        cut_limits = write.cut_part(within_cut, limits.rules)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -132,6 +145,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         aimed=compensation,
         prices=prices,
         cut=cut,
+        cut_limits=cut_limits,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)

@@ -45,7 +45,7 @@ DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 RECOMPUTED = (
     "duration_s", "gap", "blocks", "stops", "usage", "limited_by", "tip_deviation_mm", "axis_deviation_deg", "machine",
     "dt_s", "set_points", "path_length_mm", "verified", "program_file", "lower_bound_of", "controller", "assumed",
-    "skipped", "operations", "cutting_s", "rapid_s", "dwell_s", "bending",
+    "skipped", "operations", "cutting_s", "rapid_s", "dwell_s", "bending", "cut_limits",
 )  # fmt: skip
 IN_THE_VERDICT = (
     "tip_tolerance_mm", "axis_tolerance_deg", "tip_tolerances", "axis_tolerances", "feed", "dialect", "reading",

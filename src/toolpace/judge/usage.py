@@ -105,7 +105,8 @@ class UsageFigures:
         said, use = float(self.said["usage"]["feed"]), self.feed_use
         if self.toolpath is None:
             return []
-        timed = bool((self.toolpath.least_time > 0.0).any())
+        # a profile of speed changes within a block, whose feed is the most of it
+        timed = bool((self.toolpath.least_time > 0.0).any()) or self.toolpath.speed_profile is not None
         if use is None:
             least, most = 0.0, 1.0 if timed else 0.0
         else:
@@ -119,7 +120,9 @@ class UsageFigures:
         """The limits that bind, and the share of the time in which each does."""
         said = {name: float(share) for name, share in self.said["limited_by"].items()}
         limits = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
-        strange = [name for name in said if name not in (*limits, "dwell", "nothing")]
+        profile = None if self.toolpath is None else self.toolpath.speed_profile
+        loads = () if profile is None else profile.names
+        strange = [name for name in said if name not in (*limits, *loads, "dwell", "nothing")]
         total = sum(said.values())
         if strange or min(said.values(), default=0.0) < 0.0 or not abs(total - 1.0) <= 1e-6:
             note = f"names {', '.join(strange)}" if strange else f"shares add up to {total:.6g}, not to 1"
@@ -129,8 +132,9 @@ class UsageFigures:
             right = float(self.toolpath.dwell.sum()) / float(self.said["duration_s"])
             ok = abs(said.get("dwell", 0.0) - right) <= DWELLS
             checks.append(Check("plan.json limited_by dwell", said.get("dwell", 0.0), right, "", ok))
-        if self.feed_use is None or (self.toolpath is not None and (self.toolpath.least_time > 0.0).any()):
-            # What a block's least time holds back counts as feed, and does not show in the speed of the tip.
+        timed = self.toolpath is not None and bool((self.toolpath.least_time > 0.0).any())
+        if self.feed_use is None or timed or profile is not None:
+            # What a block's least time or a profile holds back does not show in the speed of the tip over the feed.
             limits.remove("feed")
         least, most = self.shares(limits)
         shares = {name: said.get(name, 0.0) for name in limits}

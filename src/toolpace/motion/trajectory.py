@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -237,7 +238,7 @@ class Trajectory:
         """Peak ratios (k,), in the order of `Limits.names`, and the time in which each of them is what binds [s]."""
         names, m = self.limits.names, len(self.joints)
         jerks, count = self.limits.orders == 2, len(names)
-        peak, times = np.zeros(count), np.zeros(count + 1)
+        peak, times, of_cap = np.zeros(count), np.zeros(count + 1), defaultdict[str, float](float)
         for run, law in zip(self.axis_path.runs, self.laws):
             # where acceleration may jump, jerk is no limit that could bind
             jumpy = law.jumps.size > 0
@@ -250,7 +251,12 @@ class Trajectory:
                 first = np.where(jerks & jumpy, 0.0, ratios).argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
                 times += np.bincount(np.where(binds, first, count), probe.share, len(times))
-        return peak, {**{n: float(v) for n, v in zip(names, times) if v > 0.0}, NOTHING: float(times[-1])}
+                capped = binds & (first == 0)
+                which, words = run.cap_names(probe.state[0][capped])
+                for word, share in zip(words, np.bincount(which, probe.share[capped], len(words))):
+                    of_cap[word] += float(share)
+        found = {**dict(of_cap), **dict(zip(names[1:], map(float, times[1:-1])))}
+        return peak, {**{name: time for name, time in found.items() if time > 0.0}, NOTHING: float(times[-1])}
 
     def usage(self) -> Usage:
         """Peak value over limit in continuous time, between the set-points and nodes too."""

@@ -78,7 +78,7 @@ class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 def is_writable(axis_path: AxisPath, laws: Sequence[TimeLaw]) -> bool:
     """Whether path and laws are those of a planned program, of which all can be written."""
     runs = axis_path.runs
-    if not all(isinstance(run, FollowRun) and isinstance(run.run, SplineRun) for run in runs):
+    if not all(isinstance(run, FollowRun) and isinstance(run.run, SplineRun) and run.profile is None for run in runs):
         return False
     kinds = {kind for kind, _ in LAWS.values()}
     splines = {cast(SplineRun, cast(FollowRun, run).run).coefficients.shape[1:] for run in runs}

@@ -62,6 +62,10 @@ class AxisRun(ABC):
     def speed_cap(self, s: Floats) -> Floats:
         """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
 
+    def cap_names(self, s: Floats) -> tuple[Ints, tuple[str, ...]]:
+        """(n,) what sets the cap at s (n,), as an index in the names that come with it."""
+        return np.zeros(len(s), dtype=np.int64), ("feed",)
+
     def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
         """Both of these: the path (4, n, joints) and the cap (n,) on ds/dt."""
         return self.evaluate(s), self.speed_cap(s)

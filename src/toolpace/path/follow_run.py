@@ -133,11 +133,11 @@ def _jump(path: Path, machine: Machine, run: int, s: float, turn: Floats) -> Pat
 class FollowRun(AxisRun):
     """The joints of a machine, with the tool that is in the spindle, along one run of a path."""
 
-    smooth_cap = True
-
     def __init__(self, run: PathRun, machine: Machine, branch: Branch | None) -> None:
         self.run, self.machine, self.branch = run, machine, branch
         self.s0, self.s1, self.hints, self.dwell = run.s0, run.s1, run.breaks, run.dwell
+        self.profile = run.speed_profile
+        self.smooth_cap = self.profile is None
         self.tool_length = run.tool_length
         self.blocks = len(run.block)
         length = np.diff(run.block_start)
@@ -146,6 +146,10 @@ class FollowRun(AxisRun):
         jumps = (run.feed[1:] != run.feed[:-1]) | (self.pace[1:] != self.pace[:-1])
         kinks = run.breaks[1:-1] if run.third_jumps else np.empty(0)
         self.breaks = np.union1d(run.block_start[1:-1][jumps], kinks)
+        if self.profile is not None:
+            inside = self.profile.place[(self.profile.place > run.s0) & (self.profile.place < run.s1)]
+            self.hints = np.union1d(self.hints, inside)
+            self.breaks = np.union1d(self.breaks, np.intersect1d(inside, self.profile.jumps))
 
     def evaluate(self, s: Floats) -> Floats:
         return self._joints(self.run.evaluate(s), s)
@@ -163,6 +167,14 @@ class FollowRun(AxisRun):
     def block_at(self, s: Floats) -> Ints:
         return self.run.block_at(s)
 
+    def cap_names(self, s: Floats) -> tuple[Ints, tuple[str, ...]]:
+        if self.profile is None:
+            return super().cap_names(s)
+        block = self.run.block_index(s)
+        own = np.minimum(self.pace[block], self.run.feed[block]) < self.profile.at(s)
+        names = self.profile.names
+        return np.where(own, len(names), self.profile.limit_at(s)), (*names, "feed")
+
     def deviations(self) -> tuple[Floats, Floats, Floats] | None:
         return self.run.deviations()
 
@@ -178,6 +190,8 @@ class FollowRun(AxisRun):
         """(n,) the cap at s (n,), from the first derivative (n, 3) of the tip there."""
         block = self.run.block_index(s)
         feed = self.run.feed[block]
+        if self.profile is not None:
+            feed = np.minimum(feed, self.profile.at(s))
         cap: Floats = self.pace[block]
         if np.isfinite(feed).any():
             speed = np.linalg.norm(slope, axis=1)

@@ -12,6 +12,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints, frozen, gate_methods
 from toolpace.common.value_objects import counted, one_line
+from toolpace.programs.speed_profile import SpeedProfile
 
 
 def no_entries() -> Ints:
@@ -69,6 +70,8 @@ class PathRun(ABC):
     """Of the tool in the spindle [m]; nan: as long as the machine's own."""
     entry: Ints = field(default_factory=no_entries)
     """(b,) point of the tool path that each block leads to; (0,) where the path is of no tool path."""
+    speed_profile: SpeedProfile | None = None
+    """Most speed of the tip along the run, beside the feeds of its blocks; None: these alone hold."""
 
     def __init_subclass__(cls) -> None:
         """Have arrays of parameters that a caller gives go through the gate."""

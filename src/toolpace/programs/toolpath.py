@@ -19,6 +19,7 @@ from toolpace.common.units import (
     refuse_other_unit,
 )
 from toolpace.common.value_objects import ByValue, counted, one_line
+from toolpace.programs.speed_profile import SpeedProfile
 from toolpace.programs.stock_figures import WorkpieceFigures
 from toolpace.programs.tool_figures import ToolFigures
 
@@ -130,6 +131,8 @@ class ToolPath(ByValue):
     (M3), below it counterclockwise (M4), 0 where it stands; nan where the program does not tell it."""
     workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
     """What the program tells of the workpiece (BLK FORM, WORKPIECE)."""
+    speed_profile: SpeedProfile | None = None
+    """Most speed of the tip from place to place, beside the feeds: what the cut allows. None: the feeds alone hold."""
 
     def __post_init__(self) -> None:
         taken = self._figures() | self._marks()
@@ -243,6 +246,10 @@ class ToolPath(ByValue):
         }
         stop = columns["stop"].copy()
         stop[[0, -1]] = True
+        profile = self.speed_profile
+        if profile is not None:
+            ends = np.array([first, last], dtype=np.float64)
+            columns["speed_profile"] = profile.along(ends, ends - first)
         return replace(self, **(columns | {"stop": stop}))
 
     def with_tool(self, length: float) -> ToolPath:
@@ -279,6 +286,14 @@ class ToolPath(ByValue):
         by_time = self.way_length / np.where(timed, self.least_time, 1.0)
         found: Floats = np.where(timed, np.minimum(self.feed, by_time), self.feed)
         return found
+
+    def fed_by(self, profile: SpeedProfile) -> ToolPath:
+        """The same with a profile of speed; each way at feed that it limits has its most speed there for a feed, and no
+        time of its own."""
+        most = profile.most_of_ways(len(self))
+        limited = (self.way_length > 0.0) & ~self.rapid & np.isfinite(most)
+        feed, least_time = np.where(limited, most, self.feed), np.where(limited, 0.0, self.least_time)
+        return replace(self, feed=feed, least_time=least_time, speed_profile=profile)
 
     @property
     def least_duration(self) -> float:

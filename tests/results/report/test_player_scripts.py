@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -152,3 +153,16 @@ def test_lines_of_a_program_are_those_that_its_reader_counts():
 def test_names_in_the_data_cannot_end_it():
     text = page_json({"name": "</script><b>"}, PackedArrays())
     assert "<" not in text and json.loads(text)["name"] == "</script><b>"
+
+
+def test_what_is_slower_than_the_program_says_so_with_its_feed(text):
+    """The first place of the list of slow places, and one at the programmed feed."""
+    slow, usual = calculated(
+        text,
+        """const slow = player.slowPlaces()[0].t, n = 200;
+        const even = Array.from({ length: n }, (_, k) => ((k + 0.5) * player.duration) / n)
+            .find((t) => player.valueAt("tip speed", t) > 0.99 * player.valueAt("feed in the program", t));
+        return [player.paceAt(slow), player.paceAt(even)];""",
+    )
+    assert re.fullmatch(r"[\d\u202f]+ of [\d\u202f]+ mm/min", slow)
+    assert re.fullmatch(r"[\d\u202f]+ mm/min", usual)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
 UNITS = {
     "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
     "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
-    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "feed_marks": ("um", 1e-6),
+    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "compensated_deflection": ("um", 1e-6),
+    "feed_marks": ("um", 1e-6),
 }  # fmt: skip
 """Limits of the cut, and the unit in which each is given."""
 SHOWN = 8
@@ -46,7 +48,7 @@ Limits = Annotated[
         name="--limit",
         help="A limit of the cut, for all tools or, in its place, for one: chip=0.08mm, 3:force=400N; chip, "
         "feed_per_tooth [mm], removal_rate [mm3/s], force [N], torque, moment [Nm], power [W], stress [MPa], "
-        "deflection, surface_deflection, feed_marks [um]. Repeat it.",
+        "deflection, surface_deflection, compensated_deflection, feed_marks [um]. Repeat it.",
         negative=(),
         consume_multiple=False,
     ),
@@ -138,6 +140,47 @@ class Allowed:
 
 
 AS_IN_AIR = Allowed()
+
+
+PROGRAM = "program"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class AllowedInPlan(Allowed):
+    """What the speeds of a plan may become."""
+
+    feeds: Annotated[
+        str,
+        Parameter(
+            name="--feeds",
+            help="program: the feeds are those of the program. air, learned, limits: as fast as the cut allows, as "
+            "`toolpace feeds` has it; the sheet tells stock and tools.",
+        ),
+    ] = PROGRAM
+    margin: Annotated[
+        str, Parameter(help="How far before and behind a place what its cut allows holds, beyond one cell: 0.5mm.")
+    ] = "0mm"
+
+    def of_plan(self, resolution: str | None, memory: str, bend: str | None) -> CutOptions | None:
+        """What the cut allows a plan; None where the program's feeds hold. Raises UsageError."""
+        from toolpace.jobs.cut_options import CutOptions
+
+        if self.feeds == PROGRAM:
+            for name in (each.name for each in fields(self) if each.name != "feeds"):
+                if getattr(self, name) != getattr(AS_PROGRAMMED, name):
+                    option = "--" + name.replace("_", "-")
+                    raise UsageError(f"{option} goes with --feeds air, learned or limits")
+            return None
+        cell_size = None if resolution is None else cell(resolution)
+        rules = self.rules()
+        if bend is not None:
+            # what is compensated counts by what is left of it
+            rules = replace(rules, limits={tool: each.compensated for tool, each in rules.limits.items()})
+        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory))
+
+
+AS_PROGRAMMED = AllowedInPlan()
 
 
 def feeds_command(

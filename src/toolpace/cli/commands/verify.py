@@ -17,6 +17,7 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.judge import Check, Verification, verify_plan
+from toolpace.judge.cut import checks_of_cut
 from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances, with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.sampling import Sampling, each_block, grids
@@ -56,6 +57,11 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         toolpath = None
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
+        cut = write.read_cut(folder, record.cut_limits)
+        profile = None if cut is None else write.profile_of(cut)
+        programmed = toolpath
+        if toolpath is not None and profile is not None:
+            toolpath = toolpath.fed_by(profile)
         step.note = f"{len(setpoints)} set-points" + (f", {toolpath.blocks} blocks" if toolpath else "")
     tip: float | Tolerances = (record.tip_tolerance_mm or DEFAULT_TIP_MM) * MILLIMETRE
     axis: float | Tolerances = (record.axis_tolerance_deg or DEFAULT_AXIS_DEG) * DEGREE
@@ -74,6 +80,11 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         if found.checks[0].ok and (folder / TRAJECTORY).exists():
             own = trajectory_checks(folder, machine, setpoints, toolpath, bends=tool is not None)
             found = replace(found, checks=(*found.checks, *own))
+        if cut is not None and record.cut_limits is not None and programmed is not None and found.checks[0].ok:
+            with steps.step("verifying the cut"):
+                bends = record.bending is not None
+                promise = None if bends else write.promise_of(record.cut_limits, programmed, options.setup, machine)
+                found = replace(found, checks=(*found.checks, *checks_of_cut(setpoints, programmed, promise, cut)))
         seal = Check("seal", 0.0, 0.0, "", not words, note=words or "files are as they were written")
         return record, replace(found, checks=(*found.checks, seal))
 

@@ -24,9 +24,9 @@ from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.feeds.feed_moves import FeedMoves
 from toolpace.cutting.feeds.largest_loads import LargestLoad, largest_loads
 from toolpace.cutting.feeds.learned import Teacher, learned_speeds
-from toolpace.cutting.feeds.limits import CutLimits, speeds_within
+from toolpace.cutting.feeds.limits import AIR, FEED, SOURCES, TAUGHT, CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.feeds.schedule import Places, over_window, stepped
+from toolpace.cutting.feeds.schedule import Places, over_window, slowest_within, stepped
 from toolpace.cutting.feeds.teaching import HEAVIEST, Taught, taught
 from toolpace.cutting.forces.engaged import CutLoads
 from toolpace.cutting.simulation.operation_cut import CutStretch
@@ -102,6 +102,8 @@ class FeedPlan:
     feeds: tuple[Floats, ...]
     """(n,) of each stretch, on the way to each of its stations [m/s]."""
     operations: tuple[OperationFeeds, ...]
+    sources: tuple[Ints, ...] = ()
+    """(n,) of each stretch likewise, what sets the feed: index in SOURCES."""
     teachers: tuple[Teacher, ...] = ()
     """Each at one angle of the tool, several of a line; `by_line` takes one of each."""
     overloads: tuple[Overload, ...] = ()
@@ -132,8 +134,9 @@ def plan_feeds(
     after = work.guessed() if simulation.guessed else work.feeds()
     kept = sorted(work.kept.items(), key=lambda each: -each[1])
     return FeedPlan(
-        moves.places, tuple(after), work.operation_times(after), tuple(work.teachers), work.overloads(),
-        largest_loads(moves, after), tuple(work.notes), tuple(KeptFeed(*each) for each in kept if each[1] >= SHOWN),
+        moves.places, tuple(after), work.operation_times(after), tuple(work.sources), tuple(work.teachers),
+        work.overloads(), largest_loads(moves, after), tuple(work.notes),
+        tuple(KeptFeed(*each) for each in kept if each[1] >= SHOWN),
     )  # fmt: skip
 
 
@@ -144,6 +147,8 @@ class _Planning:
         self.simulation, self.moves, self.rules = simulation, moves, moves.rules
         self.notes: list[str] = []
         self.teachers: list[Teacher] = []
+        self.sources = [np.full(len(each), SOURCES.index(FEED)) for each in moves.before]
+        """(n,) of each stretch what sets its speeds; from `cap` on, which limit does where one does."""
         self.worst: dict[tuple[str, bool], Overload] = {}
         self.kept: dict[str, float] = defaultdict(float)
         self.times = np.zeros(2)
@@ -209,6 +214,10 @@ class _Planning:
             finishes = self.finishes(stretch, (speed > before) & ~stands)
             speed, why = np.where(finishes, before, speed), np.where(finishes, FINISHES, why)
         place, steps = self.moves.places[k], rules.steps
+        sets = np.where(why == AS_TAUGHT, SOURCES.index(TAUGHT), self.sources[k])
+        sets = np.where((speed >= most) & (most > before), SOURCES.index(AIR), sets)
+        sets = np.where(speed != before, sets, SOURCES.index(FEED))
+        self.sources[k] = sets[slowest_within(place.way, speed, steps.margin)]
         kept = before
         if (bound < before).any():
             lowered = stepped(place, np.minimum(bound, most.max()), steps)
@@ -237,6 +246,9 @@ class _Planning:
                 within = speeds_within(forces, moves.places[k], limits, max(self.air_feed, float(before.max())))
                 self.tell_overload(stretch, limits, 1.0 + np.where(at, within.exceeded, 0.0), True)
                 allowed = np.where(within.exceeded > 0.0, before, within.speed)
+                words = np.array([SOURCES.index(name.replace("_", " ")) for name in limits.names])
+                holds = np.where(within.holds >= 0, words[within.holds], SOURCES.index(FEED))
+                self.sources[k] = np.where(at, holds, self.sources[k])
                 self.tell_overload(stretch, limits, np.where(at, before / allowed.clip(1e-12), 0.0), False)
                 loads, held = forces.loads(speed), np.where(within.exceeded > 0.0, EDGES, AT_LIMIT)
             else:

@@ -9,7 +9,7 @@ that where it is 1 is not below the root. Both ends close in on it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -24,20 +24,7 @@ CLOSE = 1e-4
 """Share of a speed within which it is found."""
 LOWEST = 1e-3
 """Share of the highest speed below which none is looked for."""
-WORDS = {
-    "chip": "thickness of the chip",
-    "feed_per_tooth": "feed per tooth",
-    "removal_rate": "removal rate",
-    "force": "cutting force",
-    "torque": "torque of the spindle",
-    "power": "power of the spindle",
-    "moment": "bending moment of the tool",
-    "stress": "bending stress of the shank",
-    "deflection": "deflection of the tip",
-    "surface_deflection": "deflection left on the surface",
-    "feed_marks": "feed marks",
-}
-"""What holds the motion back where a limit is reached."""
+FEED, AIR, TAUGHT = "feed", "feed in air", "load of the teacher"
 
 
 @dataclass(frozen=True)
@@ -64,6 +51,9 @@ class CutLimits:
     """Largest of the tip [m]."""
     surface_deflection: float | None = None
     """Largest that is left on the surface, too much or too little [m]."""
+    compensated_deflection: float | None = None
+    """Largest that is left on the surface where the path is compensated for the mean over the height: half of what it
+    differs over it [m]."""
     feed_marks: float | None = None
     """Height of the marks that the feed leaves, f^2 / (8 R) [m]."""
 
@@ -74,9 +64,24 @@ class CutLimits:
                 number(value, f"limit of the cut: {each.name}", least=0.0, above=True)
 
     @property
+    def compensated(self) -> CutLimits:
+        """Those of a tool whose deflection on the surface is compensated: what is left of it is limited."""
+        if self.surface_deflection is None:
+            return self
+        both = (self.surface_deflection, self.compensated_deflection)
+        least = min(each for each in both if each is not None)
+        return replace(self, surface_deflection=None, compensated_deflection=least)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Those that there are."""
         return tuple(each.name for each in fields(self) if getattr(self, each.name) is not None)
+
+
+OF_BENDING = {"moment", "stress", "deflection", "surface_deflection", "compensated_deflection"}
+"""Limits that a tool without a stick-out tells nothing of."""
+SOURCES = (FEED, AIR, TAUGHT, *(each.name.replace("_", " ") for each in fields(CutLimits)))
+"""What can set the speed at a place."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +108,11 @@ def speeds_within(
     n = len(forces.engagement.along)
     if not names or not n:
         return SpeedLimits(np.full(n, most), np.full(n, -1), np.zeros(n))
-    if not forces.bends and {"moment", "stress", "deflection", "surface_deflection"} & set(names):
-        raise UsageError("limits of the cut: the tool's stick_out is missing; give it in the tool table")
+    if not forces.bends and OF_BENDING & set(names):
+        raise UsageError(
+            "limits of the cut: a deflection or a moment needs the tool's stick_out and its material; give both in the "
+            'tool table, like stick_out = "40mm" and material = "carbide"'
+        )
     section = forces.section_modulus
     step = np.diff(places.way, prepend=places.way[:1])
     per_way = np.divide(forces.engagement.removed, step, out=np.zeros(n), where=step > 0.0)
@@ -176,6 +184,9 @@ def _load(
     if name == "surface_deflection":
         left: Floats = np.abs(np.nan_to_num(loads.surface)).max(axis=1)
         return left
+    if name == "compensated_deflection":
+        differs: Floats = 0.5 * np.nan_to_num(loads.surface[:, 1] - loads.surface[:, 0])
+        return differs
     kinds = {"chip": loads.chip, "force": loads.resultant, "torque": loads.torque, "power": loads.power}
     kinds |= {"moment": loads.moment, "deflection": loads.deflection}
     return np.asarray(np.nan_to_num(np.abs(kinds[name])), dtype=np.float64)

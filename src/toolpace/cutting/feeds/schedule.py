@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats, number
+from toolpace.common.arrays import Floats, Ints, number
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.programs.toolpath import ToolPath
 
@@ -80,8 +80,10 @@ def stepped(places: Places, speed: Floats, steps: Steps) -> Floats:
 def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) -> Floats:
     """(n,) the least or the largest value of the ways that come within `reach` of each; `way` (n,) ascends.
 
-    Entry i of `values` holds on the way from station i - 1 to i.
+    Entry i of `values` holds on the way from station i - 1 to i. Without a reach each way has its own.
     """
+    if reach <= 0.0:
+        return values.copy()
     begin = np.concatenate([way[:1], way[:-1]])
     low = np.searchsorted(way, begin - reach, side="left")
     high = np.searchsorted(begin, way + reach, side="right")
@@ -89,6 +91,15 @@ def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) ->
     high = np.maximum(high, np.arange(len(way)) + 1)
     edges = np.stack([low, high], axis=1).ravel()
     found: Floats = extreme.reduceat(np.append(values, values[-1:]), edges)[::2]
+    return found
+
+
+def slowest_within(way: Floats, speed: Floats, reach: float) -> Ints:
+    """(n,) of each way that which is the slowest (n,) of those that come within `reach` [m] of it."""
+    order = np.argsort(speed, kind="stable")
+    rank = np.empty(len(order))
+    rank[order] = np.arange(len(order))
+    found: Ints = order[over_window(way, rank, reach, np.minimum).astype(np.int64)]
     return found
 
 

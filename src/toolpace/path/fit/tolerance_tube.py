@@ -27,6 +27,7 @@ from toolpace.path.fit.smoothest_spline import first_breaks, inside_spline, refi
 from toolpace.path.fit.speed_weights import SpeedWeights
 from toolpace.path.fit.spline import PARTS, Comparison, Samples, Spline, sample
 from toolpace.path.run import SplineRun
+from toolpace.programs.speed_profile import ways_between
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
@@ -291,6 +292,7 @@ def piecewise(
     head = np.flatnonzero(np.concatenate([[True], np.diff(line.entry) != 0]))
     entry = line.entry[head]
     cut = np.concatenate([line.s[head], line.s[-1:]])
+    profile = toolpath.speed_profile
     return SplineRun(
         breaks=tip_tolerance * breaks,
         coefficients=polynomials * scale * order[:, None],
@@ -301,6 +303,7 @@ def piecewise(
         dwell=line.dwell,
         tool_length=line.tool_length,
         entry=entry,
+        speed_profile=None if profile is None else profile.along(ways_between(entry), tip_tolerance * cut),
     )
 
 

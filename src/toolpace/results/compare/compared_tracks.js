@@ -79,12 +79,14 @@ class ComparedTracks extends Tracks {
 
   speed(plan) {
     const curve = this.curve(plan, 0);
-    return curve && { ...curve, name: plan.name, colour: () => plan.colour, tell: (v) => `${spaced(v)} mm/min` };
+    // what lies below is seen through
+    const alpha = plan === this.comparison.first ? 1 : 0.6;
+    return curve && { ...curve, name: plan.name, alpha, colour: () => plan.colour, tell: (v) => `${spaced(v)} mm/min` };
   }
 
   feed(plan) {
     const curve = this.curve(plan, 1);
-    return curve && { ...curve, name: "", width: 0.7, colour: () => plan.colour, tell: (v) => `feed ${spaced(v)} mm/min` };
+    return curve && { ...curve, name: "", width: 0.7, colour: () => plan.colour, tell: (v) => `feed of ${plan.name}: ${spaced(v)} mm/min` };
   }
 
   gainedRow() {
@@ -94,11 +96,25 @@ class ComparedTracks extends Tracks {
         : plan.places.map((t, k) => (k / (plan.places.length - 1)) * first.duration - t);
       all.push({ values, length: this.onPath ? this.whole : first.duration, name: plan.name, width: 1.6, colour: () => plan.colour, tell: gainWords });
     }
-    let low = 0, high = 0;
-    for (const { values } of all) for (const v of values) { if (v < low) low = v; if (v > high) high = v; }
-    const room = 0.08 * Math.max(high - low, 1e-3), step = decimal((high - low || 1e-3) / 4), marks = [];
-    for (let k = Math.ceil(low / step); k * step <= high + 1e-12; k++) marks.push([k * step, `${k > 0 ? "+" : k < 0 ? "−" : ""}${figure(Math.abs(k * step))}`]);
-    return { kind: "curves", height: 1.6 * PANEL, title: `Time gained on ${first.name}, s: rises where it is faster`, low: low - room, high: high + room, marks, series: all, named: true };
+    return { kind: "curves", height: 1.6 * PANEL, title: `Time gained on ${first.name}, s: rises where it is faster`, series: all, named: true, scaled: true };
+  }
+
+  // The range of curves in what is seen of them, and marks in it.
+  range(series) {
+    let low = Infinity, high = -Infinity;
+    for (const { values, length } of series) {
+      const n = values.length - 1, end = Math.min(Math.ceil((this.to / length) * n), n);
+      for (let k = Math.max(Math.floor((this.from / length) * n), 0); k <= end; k++) { if (values[k] < low) low = values[k]; if (values[k] > high) high = values[k]; }
+    }
+    if (!(high >= low)) [low, high] = [0, 0];
+    const middle = 0.5 * (low + high), half = Math.max(0.54 * (high - low), 5e-4), step = decimal(half / 2), marks = [];
+    for (let k = Math.ceil((middle - half) / step); k * step <= middle + half; k++) marks.push([k * step, `${k > 0 ? "+" : k < 0 ? "−" : ""}${figure(Math.abs(k * step))}`]);
+    return { low: middle - half, high: middle + half, marks };
+  }
+
+  draw() {
+    for (const row of this.shown) if (row.scaled) Object.assign(row, this.range(row.series));
+    super.draw();
   }
 }
 

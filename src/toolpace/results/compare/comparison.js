@@ -58,7 +58,8 @@ class Comparison extends Playback {
 
   state() {
     const { t, playing } = this, first = this.first.t;
-    return { t, playing: !!playing, plans: this.plans.map((plan) => ({ name: plan.name, ...plan.state(), gained: this.gained(plan, first) })) };
+    const gained = (plan) => { const found = this.gained(plan, first); return Number.isNaN(found) ? null : found; };
+    return { t, playing: !!playing, plans: this.plans.map((plan) => ({ name: plan.name, ...plan.state(), gained: gained(plan) })) };
   }
 }
 
@@ -110,9 +111,10 @@ class Ghost {
 
   // The path, where it is another than that of the first.
   drawPath() {
-    const found = this.plan.motion.samples(1e-3 * this.space.size, 50000).tips.flat();
-    const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(Float32Array.from(found), 3));
-    this.path = new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.plan.colour, transparent: true, opacity: 0.5 }));
+    const { tips } = this.plan.motion.samples(1e-3 * this.space.size, 50000), points = new Float32Array(6 * (tips.length - 1));
+    for (let k = 1; k < tips.length; k++) { points.set(tips[k - 1], 6 * k - 6); points.set(tips[k], 6 * k - 3); }
+    const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(points, 3));
+    this.path = new THREE.LineSegments(shape, new THREE.LineBasicMaterial({ color: this.plan.colour, transparent: true, opacity: 0.5 }));
     this.path.frustumCulled = false;
     this.space.part.add(this.path);
   }

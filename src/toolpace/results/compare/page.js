@@ -6,11 +6,11 @@ async function start() {
   if (!data.plans.length) { get("played").remove(); window.toolpaceReady = true; return; }
   const comparison = new Comparison(data, await Arrays.of(data.arrays)), { first, plans } = comparison;
   let space = null, ghosts = [];
-  try {
-    space = new Space(first, get("space"));
+  try { space = new Space(first, get("space")); } catch (error) { get("space").classList.add("none"); get("no-space").hidden = false; }
+  if (space) {
     ghosts = plans.slice(1).map((plan) => new Ghost(space, plan));
     space.toolShape.material.color.set(first.colour);
-  } catch (error) { get("space").classList.add("none"); get("no-space").hidden = false; }
+  }
   const tracks = new ComparedTracks(comparison, get("timeline"));
   const texts = new Texts(comparison);
   const chips = planChips(comparison, () => { texts.lists(); if (space) space.recolour(); key(); });
@@ -95,7 +95,7 @@ function planChips(comparison, chosen) {
       words.textContent = [ended ? "ended" : line ? `line ${line}` : "", Number.isNaN(speed) || ended ? "" : `${spaced(speed)} mm/min`].filter(Boolean).join(" · ");
       gain.hidden = plan === first || Number.isNaN(gained);
       gain.textContent = gainWords(gained);
-      gain.className = gained > 5e-4 ? "gains" : gained < -5e-4 ? "loses" : "";
+      gain.className = gained > 5e-4 ? "gains" : gained < -5e-4 ? "loses" : "level";
     }
   };
 }

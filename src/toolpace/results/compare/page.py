@@ -31,7 +31,8 @@ HEADINGS = ("Plan", "Program", "Machine", "Time", "Against the first", "Gap", "T
 
 def comparison_page(plans: Compared) -> str:
     """The whole HTML text. Raises UsageError where files of a plan are damaged or were changed."""
-    title = f"{len(plans.names)} plans of {plans.records[0].program}" if not plans.programs_differ else "Plans compared"
+    several = f"{len(plans.names)} plans of {plans.records[0].program}"
+    title = ", ".join(plans.names) if plans.programs_differ else several
     motions = [PlannedMotion.load(folder, record) for folder, record in zip(plans.folders, plans.records)]
     limits = [(limit_words(name), times) for name, times in plans.limits if _seen(times, plans)]
     still = [name for name, motion in zip(plans.names, motions) if motion is None]
@@ -159,7 +160,8 @@ def _times(
     for number, (name, times) in enumerate(rows):
         cells = ["" if time is None else format_time(time) for time in times]
         if two:
-            cells.append("" if None in times else f"{sign * ((times[0] or 0.0) - (times[1] or 0.0)):+.2f} s")
+            more = sign * ((times[0] or 0.0) - (times[1] or 0.0))
+            cells.append("" if None in times else f"{round(more, 2) + 0.0:+.2f} s")
         if feeds is not None:
             cells += ["" if feed is None else f"{four_digits(feed * MM_PER_MIN)} mm/min" for feed in feeds[number]]
         body.append(f"<tr><td>{escape(name)}</td>{''.join(f'<td class=n>{escape(cell)}</td>' for cell in cells)}</tr>")

@@ -15,7 +15,6 @@ from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
 from toolpace.motion.trajectory_file import TRAJECTORY
 from toolpace.programs.reading import Source, read_source
-from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.toolpath import ToolPath
 from toolpace.results.picture.rasteriser import Canvas
 from toolpace.results.picture.solids import bodies_at, machine_bodies, origin_of, revolved
@@ -28,6 +27,8 @@ VIEWS = ("iso", "top", "front", "right", "machine")
 """From where a picture is taken; "machine" shows its bodies too, as iso does the part."""
 AROUND, ABOVE = -0.95, 0.5
 """Direction of iso, from X towards Y and up [rad]: that of the report."""
+POINTS = 180
+"""Of the lattice of the stock along its longest side."""
 PATH_POINTS = 30_000
 """Of the path, evenly over time."""
 GROUND = (0.102, 0.133, 0.18)
@@ -91,7 +92,7 @@ class ShownPlan:
     """Without tracks."""
 
     @classmethod
-    def load(cls, folder: str | Path) -> ShownPlan:
+    def load(cls, folder: str | Path, points: int = POINTS) -> ShownPlan:
         """That of a folder that `toolpace plan` wrote. Raises UsageError where it is none, or tells no motion."""
         place = Path(folder)
         record = read_plan(place)
@@ -100,12 +101,7 @@ class ShownPlan:
         options = read_again(place, record.reading)
         source = Source.load(place / record.program_file)
         toolpath = read_source(source, cls._machine(trajectory), record.dialect, options, feed=record.feed)
-        return cls.of(trajectory, toolpath, options.setup)
-
-    @classmethod
-    def of(cls, trajectory: Trajectory, toolpath: ToolPath, setup: SetUp) -> ShownPlan:
-        """A motion, with the stock, the tools and the fixtures of a set-up sheet."""
-        return cls(trajectory, toolpath, view_of_stock(trajectory, toolpath, setup))
+        return cls(trajectory, toolpath, view_of_stock(trajectory, toolpath, options.setup, points))
 
     @staticmethod
     def _machine(trajectory: Trajectory) -> Machine:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
 from toolpace.results.report import shell
-from toolpace.results.report.words import at_most, mesh_gap, motion_gap, percent
+from toolpace.results.report.words import at_most, percent
 
 if TYPE_CHECKING:
     from toolpace.judge import Verification
@@ -36,8 +36,22 @@ class IterationFigures(Protocol):
     def duration_s(self) -> float: ...
 
 
+class ReadingFigures(Protocol):
+    """Files beside the plan that its program is read with; empty where there are none."""
+
+    @property
+    def controller_file(self) -> str: ...
+    @property
+    def setup_file(self) -> str: ...
+
+
 class PlanFigures(Protocol):
     """Keys of plan.json that a report reads; what is not known is None."""
+
+    @property
+    def program_file(self) -> str: ...
+    @property
+    def reading(self) -> ReadingFigures: ...
 
     @property
     def program(self) -> str: ...
@@ -81,9 +95,10 @@ def key_figures(
     """The figures one asks for first, as cards (HTML); `length` [m] is that of the tip's way, None without a tool."""
     cards = [("Time", format_time(trajectory.duration), "from rest to rest", "big")]
     if trajectory.lower_bound > 0.0 and math.isfinite(trajectory.lower_bound):
-        note = mesh_gap(trajectory.gap)
+        note = "slower at most than the best on this path and mesh"
         if trajectory.continuous_bound > 0.0:
-            note += f"; {motion_gap(trajectory.duration, trajectory.continuous_bound)}"
+            above = at_most(trajectory.duration / trajectory.continuous_bound - 1.0)
+            note += f"; {above} than any motion on this path"
         cards.append(("Gap", at_most(trajectory.gap), note, ""))
     if length is not None:
         mean = length / trajectory.duration * 60e3 if trajectory.duration > 0.0 else 0.0

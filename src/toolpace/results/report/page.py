@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from toolpace.common.errors import printable
 from toolpace.common.units import format_length, format_time
 from toolpace.machine.limits import KINDS
+from toolpace.motion.set_point_files import MACHINE
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
 from toolpace.results.report.charts import Curves
@@ -77,7 +78,7 @@ def report_page(
         "machine": escape(where),
         "verdict": _verdict(verification),
         "cards": key_figures(trajectory, curves.length, toolpath, verification, figures),
-        "insight": _insight(trajectory.limited_by()),
+        "insight": _insight(trajectory.limited_by()) + wider_tolerance(figures),
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
         "usage": _usage(trajectory, units),
@@ -110,6 +111,19 @@ def _insight(shares: Mapping[str, float]) -> str:
     if name == "feed":
         return f"{text}: a higher feed in the program saves the most."
     return f"{text}: that limit costs the most time."
+
+
+def wider_tolerance(figures: PlanFigures | None) -> str:
+    """How to find out what a wider tolerance brings, with the files beside the plan; empty without them."""
+    if figures is None or not figures.program_file or figures.tip_tolerance_mm is None:
+        return ""
+    tips = ",".join(f"{factor * 1e3 * figures.tip_tolerance_mm:.4g}um" for factor in (1, 2, 4))
+    words = [f"toolpace tolerance {figures.program_file} -m {MACHINE}"]
+    reading = figures.reading
+    words += [f"--controller {reading.controller_file}"] if reading.controller_file else []
+    words += [f"--setup {reading.setup_file}"] if reading.setup_file else []
+    command = escape(printable(" ".join([*words, f"--tips {tips}"])))
+    return f" What a wider tolerance brings tells, in the folder of this page: <code>{command}</code>"
 
 
 def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:

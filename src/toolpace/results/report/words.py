@@ -51,7 +51,8 @@ def limit_words(name: str) -> str:
     """The name of a limit as one says it: "jerk A" is "Jerk of A"."""
     whole = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
-    return whole.get(name) or f"{kind.capitalize()} of {joint}"
+    of_cut = name.capitalize()
+    return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in KINDS else of_cut)
 
 
 def percent(share: float) -> str:

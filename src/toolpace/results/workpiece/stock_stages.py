@@ -25,8 +25,8 @@ from toolpace.cutting.simulation.simulate import ToolInUse
 from toolpace.cutting.stock.dexels import FRAME, DexelStock
 from toolpace.cutting.tool_profile import ToolProfile
 
-POINTS = 110
-"""Of the lattice along the longest side of the stock."""
+POINTS = 120
+"""Of the lattice along the longest side of the stock, in a page: walls thinner than two cells are ragged."""
 SHARES = 63
 """Steps in which the place of a crossing is kept: of the way between two neighbours."""
 SHORTEST, MOST = 0.02, 1000
@@ -119,12 +119,15 @@ Cut = tuple[Stations, ToolInUse]
 """A stretch of the motion, and the tool that cuts along it."""
 
 
-def stages_of(triangles: Floats, cuts: Sequence[Cut], duration: float, before: Sequence[Cut] = ()) -> StockStages:
+def stages_of(
+    triangles: Floats, cuts: Sequence[Cut], duration: float, before: Sequence[Cut] = (), points: int | None = None
+) -> StockStages:
     """The stages of a stock, a closed mesh (n, 3, 3) [m], that is cut along stretches in the order of time.
 
-    before: stretches along which it was cut before. Raises UsageError for a mesh that is no stock.
+    before: stretches along which it was cut before. points: of the lattice along its longest side; None: as many as a
+    page has. Raises UsageError for a mesh that is no stock.
     """
-    work = _Work(triangles)
+    work = _Work(triangles, points or POINTS)
     for stations, tool in before:
         work.cut(stations, tool.profile)
     work.look(tuple((0, n) for n in work.stock.field.cells.tolist()), 0)
@@ -149,10 +152,10 @@ def _by_stage(cuts: Sequence[Cut], borders: Floats) -> Iterator[tuple[int, Stati
 class _Work:
     """Cuts the stock, and keeps the crossings."""
 
-    def __init__(self, triangles: Floats) -> None:
+    def __init__(self, triangles: Floats, points: int) -> None:
         sides = np.ptp(triangles, axis=(0, 1))
         # rays of a stock are along the rows of FRAME: turned by it, they are along the axes of the part
-        self.stock = DexelStock.mesh(triangles @ FRAME, float(sides.max()) / POINTS)
+        self.stock = DexelStock.mesh(triangles @ FRAME, float(sides.max()) / points)
         field = self.stock.field
         self.origin, self.step = field.origin - 0.5 * field.step, field.step
         self.points = field.cells + 2

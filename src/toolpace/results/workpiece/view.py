@@ -75,8 +75,9 @@ def view_of_plan(
         return WorkpieceView(note=str(error))
 
 
-def view_of_stock(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp) -> WorkpieceView:
-    """The stock by stages and what is around it, without what the tool meets: faster. `note` as in `view_of_plan`."""
+def view_of_stock(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp, points: int) -> WorkpieceView:
+    """The stock by stages, with so many points of its lattice along the longest side, and what is around it, without
+    what the tool meets: faster. `note` as in `view_of_plan`."""
     from toolpace.cutting.engagement.stations import motion_stations
     from toolpace.cutting.simulation import set_up
     from toolpace.cutting.simulation.simulate import reach_of
@@ -92,11 +93,11 @@ def view_of_stock(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp) -> W
         stock = set_up.stock_body(toolpath, setup, machine, tools)[1].triangles()
     except UsageError as error:
         return WorkpieceView((), None, *around, note=str(error))
-    cell = float(np.ptp(stock, axis=(0, 1)).max()) / POINTS
+    cell = float(np.ptp(stock, axis=(0, 1)).max()) / points
     reach = [0.0 if tool is None else reach_of(tool.figures) for tool in tools]
     parts = motion_stations(trajectory, toolpath, cell, reach)
     cuts = [(each, tool) for each in parts if (tool := tools[int(each.operation[-1])]) is not None and len(each) > 1]
-    return WorkpieceView(profiles, stages_of(stock, cuts, trajectory.duration), *around)
+    return WorkpieceView(profiles, stages_of(stock, cuts, trajectory.duration, points=points), *around)
 
 
 def coarse_cut(trajectory: Trajectory, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutSimulation:

@@ -29,6 +29,15 @@ from toolpace.motion.setpoints import SetPointSource, in_memory
 from toolpace.motion.trajectory import Trajectory
 from toolpace.motion.trajectory_file import TRAJECTORY, is_writable, write_trajectory
 from toolpace.programs.toolpath import ToolPath
+from toolpace.results.write.cut_limits import (
+    CUT_LIMITS,
+    cut_arrays,
+    cut_part,
+    profile_of,
+    promise_of,
+    read_cut,
+    write_cut,
+)
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
@@ -47,7 +56,8 @@ from toolpace.results.write.result import (
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "SetPointDigest", "bent_tool", "digest_of", "read_again", "read_plan", "reading_record",
+    "PlanResult", "SetPointDigest", "bent_tool", "cut_arrays", "cut_part", "digest_of", "profile_of", "promise_of",
+    "read_again", "read_cut", "read_plan", "reading_record",
     "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip
 
@@ -145,6 +155,8 @@ def write_folder(
             (folder / TOOL).write_bytes(result.aimed.tool.data)
             if result.aimed.tool.engaged is not None:
                 write_engaged(folder / ENGAGED, result.aimed.tool.engaged)
+        if result.cut_limits is not None:
+            write_cut(folder / CUT_LIMITS, result.cut_limits[1])
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -219,4 +231,5 @@ def written_files(
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
     bending = record.bending
     how += [name for name in (bending.tool_file, bending.engaged_file) if name] if bending is not None else []
+    how += [record.cut_limits.file] if record.cut_limits is not None else []
     return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

@@ -14,6 +14,7 @@ from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
 from toolpace.common.units import MILLIMETRE
 from toolpace.programs.tolerances import Tolerances
+from toolpace.results.write.cut_limits import CutLimitsRecord
 
 if TYPE_CHECKING:
     from toolpace.cutting.simulation.simulate import CutSimulation
@@ -230,6 +231,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """What one percent more of each limit would gain, by the names of `limited_by`; empty where not asked for."""
     cut: CutRecord | None = None
     """What it cuts, where the set-up sheet names a stock and its tools; else null."""
+    cut_limits: CutLimitsRecord | None = None
+    """By what the cut held the speed; null where the program's feeds did."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 

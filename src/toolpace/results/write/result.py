@@ -26,6 +26,7 @@ from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.setup_file import load_setup, setup_text
 from toolpace.programs.tolerances import Tolerances
+from toolpace.results.write.cut_limits import CutLimitsRecord
 from toolpace.results.write.plan_json import (
     PLAN,
     BendingRecord,
@@ -152,6 +153,8 @@ class PlanResult:
     """What one percent more of each limit would gain [s], as `Trajectory.prices` tells it; empty where not asked."""
     cut: CutSimulation | None = None
     """What it cuts, where the set-up sheet names a stock."""
+    cut_limits: tuple[CutLimitsRecord, bytes] | None = None
+    """Where the cut held the speed: what plan.json says of it, and the bytes of its file."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 
@@ -212,6 +215,7 @@ class PlanResult:
             tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
             axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
             cut=None if self.cut is None else cut_sums(self.cut),
+            cut_limits=None if self.cut_limits is None else self.cut_limits[0],
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],

@@ -18,9 +18,8 @@ async function start() {
     timeline.cursor();
     const line = player.lineAt(t);
     if (program) program.light(line);
-    const speed = player.valueAt("tip speed", t);
     showClock(player, [line ? `line ${line}` : "", player.operations.length > 1 ? player.operationName(player.operationAt(t)) : "",
-      Number.isNaN(speed) ? "" : `${spaced(speed)} mm/min`, player.limitAt(t)]);
+      player.paceAt(t), player.limitAt(t)]);
     if (space) joints(player, t);
   });
 

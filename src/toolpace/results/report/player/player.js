@@ -78,6 +78,13 @@ class Player extends Playback {
   }
 
   // The load by which the path is coloured, if it is by one; and its share of the largest at a time.
+  // How fast the tip is at a time, and the feed where it is slower than that; and what limits it.
+  paceAt(t) {
+    const speed = this.valueAt("tip speed", t), feed = this.valueAt("feed in the program", t);
+    if (Number.isNaN(speed)) return "";
+    return speed < 0.95 * feed ? `${spaced(speed)} of ${spaced(feed)} mm/min` : `${spaced(speed)} mm/min`;
+  }
+
   load() { return this.loads.find((each) => each.name === this.colouring) || null; }
   loadShare({ values, high }, t) { return Math.min(values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)] / high, 1); }
   operationName(k) { const each = this.operations[k]; return each ? each.name || (each.tool ? `tool ${each.tool}` : `operation ${k + 1}`) : "-"; }

@@ -137,7 +137,8 @@ class Tracks {
   }
 
   // Curves between row.low and row.high, with marks [value, text] at the side and dashed bounds. Of each series:
-  // values evenly over its `length` (the whole axis where it has none), colour(look), width, whether an area is below.
+  // values evenly over its `length` (the whole axis where it has none), colour(look), width, alpha, whether an area is
+  // below.
   curves(ink, row, look) {
     const y = (v) => row.y + row.height * (1 - (v - row.low) / (row.high - row.low));
     ink.fillStyle = look.ground;
@@ -172,6 +173,7 @@ class Tracks {
     let x = LEFT + this.span;
     ink.textAlign = "right";
     for (const series of [...row.series].reverse()) {
+      if (!series.name) continue;
       ink.fillStyle = series.colour(look);
       ink.fillText(series.name, x, row.y - 6);
       x -= ink.measureText(series.name).width + 12;
@@ -185,6 +187,7 @@ class Tracks {
     const last = Math.min(Math.ceil((this.to / whole) * (n - 1)) + 1, n - 1);
     ink.strokeStyle = colour;
     ink.lineWidth = width;
+    ink.globalAlpha = series.alpha || 1;
     ink.beginPath();
     let drawing = false;
     const put = (i) => {
@@ -211,6 +214,7 @@ class Tracks {
       }
     }
     ink.stroke();
+    ink.globalAlpha = 1;
   }
 
   area(ink, series, from, to, row, low, high, colour) {
@@ -311,7 +315,7 @@ class Tracks {
     if (row.tell) lines.push(row.tell(place));
     for (const series of row.kind === "curves" ? row.series : []) {
       const v = series.values[Math.round((place / (series.length || this.whole)) * (series.values.length - 1))];
-      if (v !== undefined && !Number.isNaN(v)) lines.push(`${series.name}: ${series.tell(v)}`);
+      if (v !== undefined && !Number.isNaN(v)) lines.push(series.name ? `${series.name}: ${series.tell(v)}` : series.tell(v));
     }
     this.hint.textContent = lines.join("\n");
     this.hint.hidden = false;

@@ -1,0 +1,121 @@
+"""By what the cut of a program sets the speed of its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from toolpace.common.arrays import Floats
+
+if TYPE_CHECKING:
+    from toolpace.controls.timing.figures import ControlFigures
+    from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.jobs import TimedSteps
+    from toolpace.judge import Verification
+    from toolpace.machine.cutting_tool import CuttingTool
+    from toolpace.machine.machine import Machine
+    from toolpace.motion.setpoints import SetPointSource
+    from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.tolerances import Tolerances
+    from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.write.cut_limits import CutLimitsRecord
+
+
+class Planning(Protocol):
+    """What is asked of a plan, as a job tells it."""
+
+    @property
+    def machine(self) -> Machine:
+        """That it is for."""
+
+    @property
+    def options(self) -> ReadOptions:
+        """How the program is read; its set-up sheet."""
+
+    @property
+    def tip_tolerance(self) -> float | Tolerances:
+        """[m]"""
+
+    @property
+    def axis_tolerance(self) -> float | Tolerances:
+        """[rad]"""
+
+    @property
+    def effort(self) -> str:
+        """For a fast path."""
+
+    @property
+    def planner(self) -> str:
+        """Its name."""
+
+    @property
+    def tool(self) -> CuttingTool | None:
+        """Whose bending is compensated."""
+
+
+@dataclass(frozen=True)
+class CutOptions:
+    """What is asked of a plan within its cut."""
+
+    rules: FeedRules
+    margin: float = 0.0
+    """How far before and behind a place what its cut allows holds [m]."""
+    resolution: float | None = None
+    """Size of a cell of the stock [m]; None: the finest that `memory` has room for."""
+    memory: float = 1e9
+    """Most that the stock takes [bytes]."""
+
+    def plan(self, job: Planning, steps: TimedSteps, toolpath: ToolPath, name: str) -> CutLimitedPlan:
+        """The plan of a program of this name; what teaches does so at the speeds that its control reaches. Raises
+        ToolpaceError."""
+        from toolpace.controls.timing.program_time import figures_for
+        from toolpace.cutting.feeds.limited_plan import plan_within_cut
+        from toolpace.path.axis_path import check_travel
+        from toolpace.planning.program_plan import effort_for
+
+        with steps.step("planning within the cut") as step:
+            learns = self.rules.way == "learned"
+            reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            found = plan_within_cut(
+                toolpath, job.machine, job.options.setup, self.rules, job.tip_tolerance, job.axis_tolerance,
+                effort=effort_for(job.effort, job.planner), planner=job.planner, margin=self.margin,
+                resolution=self.resolution, memory=self.memory, reached=reached, progress=step,
+            )  # fmt: skip
+            check_travel(found.plan.trajectory.axis_path, name)
+            step.note = f"{found.plan.trajectory.mesh_points} mesh points, {found.extent}"
+        for note in found.feeds.notes:
+            steps.say(note)
+        for over in (each for each in found.feeds.overloads if each.always):
+            steps.say(
+                f"line {over.line}, tool {over.tool}: however slow, the load is {over.share:.3g} times what "
+                f"{over.limit} allows; the program's feed stays"
+            )
+        return found
+
+    def verified(
+        self, job: Planning, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
+        part: tuple[CutLimitsRecord, bytes],
+    ) -> Verification:  # fmt: skip
+        """The judge's word, with that on the cut of the set-points along the program."""
+        from toolpace.judge.cut import checks_of_cut
+        from toolpace.motion.setpoints import in_memory
+        from toolpace.results import write
+
+        with steps.step("verifying the cut"):
+            promise = None
+            if job.tool is None:
+                promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
+            checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
+        return replace(found, checks=(*found.checks, *checks))
+
+
+def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures) -> Floats:
+    """(n,) mean speed of the tip on the way to each point by the model of the control [m/s]; 0 where it stands."""
+    from toolpace.controls.timing.program_time import moves_of_points, time_of_moves
+
+    times = time_of_moves(moves_of_points(toolpath, machine), machine, figures).times - toolpath.dwell
+    speeds: Floats = np.divide(toolpath.way_length, times, out=np.zeros(len(times)), where=times > 0.0)
+    return np.minimum(speeds, np.where(np.isfinite(toolpath.feed), toolpath.feed, speeds))

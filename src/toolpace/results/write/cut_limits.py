@@ -1,0 +1,163 @@
+"""cut_limits.npz and what plan.json says of it: the speeds that a cut allows, and the engagement they are from."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import UsageError
+from toolpace.common.files import reason, whole_file
+from toolpace.programs.speed_profile import SpeedProfile
+
+if TYPE_CHECKING:
+    from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.judge.cut import CutPromise
+    from toolpace.machine.machine import Machine
+    from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.toolpath import ToolPath
+
+CUT_LIMITS = "cut_limits.npz"
+"""Its name in the folder of a plan."""
+OF_STATIONS = ("tip", "axis", "block", "operation")
+OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
+
+
+class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What held the speed by the cut."""
+
+    feeds: str
+    """air, learned or limits."""
+    file: str
+    """The profile of speed and the engagement, beside this file."""
+    sha256: str
+    """Of that file."""
+    resolution_mm: float
+    stock_guessed: bool
+    uncertainty_mm: float
+    limits: dict[str, dict[str, float]] = {}
+    """By tool, "" for all; each in SI by its name."""
+    materials: dict[str, dict[str, float]] = {}
+    """Coefficients of the force likewise, in Pa and N/m."""
+    finishing: bool = False
+    """Whether speeds are raised where a surface is made that stays, too."""
+    notes: list[str] = []
+
+
+def cut_part(found: CutLimitedPlan, rules: FeedRules) -> tuple[CutLimitsRecord, bytes]:
+    """What plan.json says of a plan within its cut, and the bytes of cut_limits.npz."""
+    data = cut_bytes(found)
+    return cut_record(found, rules, data), data
+
+
+def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimitsRecord:
+    """What plan.json says of a plan within its cut, whose file holds `data`."""
+    simulation = found.simulation
+    return CutLimitsRecord(
+        feeds=rules.way,
+        file=CUT_LIMITS,
+        sha256=hashlib.sha256(data).hexdigest(),
+        resolution_mm=1e3 * simulation.resolution,
+        stock_guessed=simulation.guessed,
+        uncertainty_mm=1e3 * simulation.uncertainty,
+        limits={
+            tool: {name: float(getattr(limits, name)) for name in limits.names} for tool, limits in rules.limits.items()
+        },
+        materials={tool: msgspec.to_builtins(each) for tool, each in rules.materials.items()},
+        finishing=rules.finishing,
+        notes=list(found.feeds.notes),
+    )
+
+
+def cut_bytes(found: CutLimitedPlan) -> bytes:
+    """cut_limits.npz of a plan within its cut."""
+    profile = found.toolpath.speed_profile
+    arrays: dict[str, Floats | Ints] = {}
+    if profile is not None:
+        arrays |= {"place": profile.place, "speed": profile.speed, "limit": profile.limit}
+        arrays["names"] = np.array(profile.names)
+    stretches = [each for each in found.simulation.stretches if not each.rapid and len(each.stations) > 1]
+    arrays["station time"] = np.concatenate(found.passed)
+    arrays["station most"] = np.concatenate(found.feeds.feeds)
+    for name in OF_STATIONS:
+        arrays[f"station {name}"] = np.concatenate([getattr(each.stations, name) for each in stretches])
+    tables = [each.possible for each in stretches]
+    for name in OF_TABLE:
+        arrays[f"engagement {name}"] = np.concatenate([getattr(each, name) for each in tables])
+    arrays["engagement slice_height"] = np.concatenate(
+        [np.full(len(each.along), each.slice_height) for each in tables]
+    )
+    arrays["engagement arcs"] = np.concatenate([np.diff(each.first_arc) for each in tables])
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise | None:
+    """What a plan promises of its cut, as the judge takes it; None where the stock is a mesh, which is not judged."""
+    from toolpace.cutting.stock.solids import body_of
+    from toolpace.judge.cut import CutPromise, round_stock
+    from toolpace.machine.cutting_tool import Coefficients
+
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    if stock is None:
+        return None
+    body = body_of(stock.solid, machine, setup)
+    if body.box is None and body.cylinder is None:
+        return None
+    return CutPromise(
+        feeds=record.feeds,
+        stock=round_stock(body.box, body.cylinder, stock.uncertainty),
+        tools=tools,
+        limits=record.limits,
+        coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
+        resolution=1e-3 * record.resolution_mm,
+    )
+
+
+def write_cut(path: Path, data: bytes) -> None:
+    """Write it, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def read_cut(folder: Path, record: CutLimitsRecord | None) -> dict[str, Floats | Ints] | None:
+    """The arrays of cut_limits.npz; None where the cut holds nothing. Raises UsageError where plan.json and it differ.
+    """
+    file = folder / CUT_LIMITS
+    if record is None and not file.exists():
+        return None
+    cure = "plan again to write it anew"
+    if record is None or record.file != CUT_LIMITS or not file.exists():
+        raise UsageError(f"{file}: plan.json and the file do not belong together; {cure}")
+    try:
+        data = file.read_bytes()
+        if hashlib.sha256(data).hexdigest() != record.sha256:
+            raise UsageError(f"{file}: is not the file that the plan was made with (sha256); {cure}")
+        return cut_arrays(data)
+    except OSError as error:
+        raise UsageError(f"{file}: cannot read: {reason(error)}") from None
+    except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        raise UsageError(f"{file}: is damaged; {cure}") from None
+
+
+def cut_arrays(data: bytes) -> dict[str, Floats | Ints]:
+    """The arrays in the bytes of cut_limits.npz."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files}
+
+
+def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:
+    """The profile of speed in cut_limits.npz; None where there is none. Raises UsageError for what is none."""
+    if "place" not in arrays:
+        return None
+    names = tuple(str(each) for each in arrays["names"])
+    return SpeedProfile(arrays["place"], arrays["speed"], arrays["limit"], names)  # type: ignore[arg-type]
