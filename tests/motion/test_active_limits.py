@@ -21,10 +21,14 @@ def trajectory():
     return plan(AxisPath(tuple(runs), ("q1", "q2", "q3")), random_limits(3, 3), bound=False)
 
 
-def test_used_is_what_the_motion_shows_at_these_times(trajectory):
+@pytest.fixture(scope="module")
+def active(trajectory):
+    return trajectory.active()
+
+
+def test_used_is_what_the_motion_shows_at_these_times(trajectory, active):
     """From the joints' velocities and accelerations at the times, which knows nothing of probes."""
-    active, limits = trajectory.active(), trajectory.limits
-    some = slice(50, None, 97)
+    limits, some = trajectory.limits, slice(50, None, 397)
     times = trajectory.starts[active.run[some]] + np.array(
         [trajectory.laws[k].passing_time(s) for k, s in zip(active.run[some], active.s[some])]
     )
@@ -35,8 +39,7 @@ def test_used_is_what_the_motion_shows_at_these_times(trajectory):
     assert np.allclose(active.t[some], times, atol=1e-9)
 
 
-def test_shares_are_those_of_limited_by(trajectory):
-    active = trajectory.active()
+def test_shares_are_those_of_limited_by(trajectory, active):
     assert active.share.sum() == pytest.approx(trajectory.duration - 0.5)
     shares = trajectory.limited_by()
     for k, name in enumerate(active.names):
@@ -44,8 +47,8 @@ def test_shares_are_those_of_limited_by(trajectory):
         assert active.share[binds].sum() / trajectory.duration == pytest.approx(shares.get(name, 0.0), abs=1e-9)
 
 
-def test_stretches_follow_each_other_and_name_what_binds(trajectory):
-    stretches = trajectory.active().stretches()
+def test_stretches_follow_each_other_and_name_what_binds(active):
+    stretches = active.stretches()
     for one, two in itertools.pairwise(stretches):
         wait = 0.5 if two.run > one.run else 0.0
         assert two.start == pytest.approx(one.end + wait, abs=1e-5)
@@ -53,7 +56,7 @@ def test_stretches_follow_each_other_and_name_what_binds(trajectory):
     assert stretches[0].limit.startswith("jerk") and stretches[0].start < 1e-9
     assert all((one.limit == "nothing") == (one.used < 0.995) for one in stretches)
     assert len(stretches) < 60
-    lines = trajectory.active().table().splitlines()
+    lines = active.table().splitlines()
     assert len(lines) == 1 + len(stretches) and lines[0].split()[0] == "limit"
 
 
