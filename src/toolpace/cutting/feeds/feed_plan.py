@@ -153,10 +153,11 @@ class _Planning:
         self.kept: dict[str, float] = defaultdict(float)
         self.times = np.zeros(2)
         """Of what is cut: with all teachers, and without the heaviest time [s]."""
-        self.air_feed = self.rules.air_feed or moves.highest
+        self.air_feed = self.rules.air_feed or self.rules.machine_feed or moves.highest
         if self.rules.air_feed is None:
-            feed = f"{self.air_feed * 60e3:g} mm/min"
-            self.notes.append(f"in air: {feed}, the highest feed of the program (--air-feed)")
+            fastest = self.rules.machine_feed is None
+            whose = "the highest feed of the program" if fastest else "as fast as the slowest linear axis"
+            self.notes.append(f"in air: {self.air_feed * 60e3:.6g} mm/min, {whose} (--air-feed)")
 
     def guessed(self) -> list[Floats]:
         """The feeds as they are; what they might be is told."""
