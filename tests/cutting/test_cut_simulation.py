@@ -210,4 +210,4 @@ def test_an_operation_without_a_tool_is_passed_over():
         resolution=CELL, after_operation=lambda k, stock: ended.append(k),
     )  # fmt: skip
     assert [each.name for each in found.operations] == ["work"]
-    assert ended == [0, 1]
+    assert ended == [0]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from toolpace.common.errors import UnitWarning
 from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
@@ -98,7 +100,9 @@ def cut_program(
         set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
     with with_cure_of_zero(toolpath.assumed):
         planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
-    with steps.step("cutting") as step:
+    with steps.step("cutting") as step, warnings.catch_warnings():
+        # what the place of the stock asks has been asked before the plan
+        warnings.simplefilter("ignore", UnitWarning)
         simulation = simulate_cut(
             planned.trajectory, toolpath, request.options.setup,
             resolution=request.resolution, memory=request.memory, stock=left,

@@ -30,7 +30,8 @@ WORTH = 0.5
 Resolution = Annotated[
     str | None,
     Parameter(
-        help="Size of a cell of the stock: 0.2mm. By default as fine as --memory has room for, 0.2 mm at the finest."
+        help="Size of a cell of the stock: 0.2mm. By default 500 cells along its longest side, or as many as "
+        "--memory has room for."
     ),
 ]
 Memory = Annotated[str, Parameter(help="Most memory that the stock may take: 500MB, 2GB.")]
@@ -142,11 +143,13 @@ def show_cut(console: Console, found: ProgramCut, machine: str) -> None:
     simulation = found.simulation
     console.print()
     _show_figures(console, found, machine)
-    headings = ["operation", "tool", "in air", "cutting", "removed", "mean", "peak", "width", "depth"]
+    headings = ["operation", "tool", "in air", "cutting", "removed"]
+    headings += ["mean [cm3/min]", "peak [cm3/min]", "width [mm]", "depth [mm]"]
     uncertain = any(each.uncertain >= 0.05 for each in simulation.operations)
     if uncertain:
         headings.insert(4, "not sure")
     table = new_table(headings, left=("operation", "tool"))
+    table.columns[0].min_width = len(headings[0])
     for each in simulation.operations:
         words = [each.name or "-", each.tool or "-", _time(each.air), _time(each.cutting)]
         words += [_time(each.uncertain)] if uncertain else []
@@ -233,9 +236,9 @@ def _volume(volume: float) -> str:
 
 
 def _rate(rate: float) -> str:
-    return f"{rate * 60e6:.3g} cm3/min" if rate > 0.0 else "-"
+    return f"{rate * 60e6:.3g}" if rate > 0.0 else "-"
 
 
 def _length(length: float) -> str:
-    return f"{length / MILLIMETRE:.3g} mm" if length > 0.0 else "-"
+    return f"{length / MILLIMETRE:.3g}" if length > 0.0 else "-"
 

@@ -91,7 +91,7 @@ def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Mac
     present = reading.options(machine).setup
     for each in found:
         present = with_program_figures(present, each.shapes, each.workpiece)
-    tips = [each.tip for each in found if each.tip is not None]
+    tips = [each.tip_at_feed for each in found if each.tip_at_feed is not None]
     tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
     write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present, tip))
 

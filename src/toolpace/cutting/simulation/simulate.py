@@ -141,11 +141,11 @@ def cut_stations(
     """Cut a stock along stations, each part of one operation, with its tool; the stock is changed.
 
     tools: of each operation, None where it has none: what it does is passed over. `after_operation` is given the index
-    of each operation when it ends, and the stock then.
+    in `CutSimulation.operations` of each operation when it ends, and the stock then.
     """
     report = CallersProgress(progress)
     before = stock.nominal.volume()
-    count, done = sum(len(part) for part in parts) or 1, 0
+    count, done, ended = sum(len(part) for part in parts) or 1, 0, 0
     stretches: list[CutStretch] = []
     findings: list[Finding] = []
     for k, part in enumerate(parts):
@@ -159,8 +159,9 @@ def cut_stations(
                 findings += cut.findings(stretch, met, operations[operation], stock.guessed)
             done += len(stations)
             report(done / count)
-        if k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation:
-            after_operation(operation, stock.nominal)
+        if tool is not None and (k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation):
+            after_operation(ended, stock.nominal)
+            ended += 1
     by_operation = [[each for each in stretches if each.operation == k] for k in range(len(operations))]
     return CutSimulation(
         operations=tuple(
