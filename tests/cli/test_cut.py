@@ -121,6 +121,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     assert volume == pytest.approx(record["left_mm3"], rel=0.02)
     page = (place / "cut-1.html").read_text()
+    assert "holder is not told" in page.split("<script")[0]
     assert "What the tool cuts" in page and "http://" not in page.split("<script")[0]
 
 
@@ -170,7 +171,8 @@ def test_a_question_of_the_stock_s_unit_is_asked_once(folder, capsys):
     from toolpace.results.cut.folder import write_stl
 
     inch = 1e-3 / 25.4
-    write_stl(folder / "inch.stl", _box_triangles(np.array([-8.0, 0.0, -10.0]) * inch, np.array([28.0, 20.0, 0.0]) * inch))
+    low, high = np.array([-8.0, 0.0, -10.0]), np.array([28.0, 20.0, 0.0])
+    write_stl(folder / "inch.stl", _box_triangles(low * inch, high * inch))
     (folder / "inch.toml").write_text('[stock]\nmesh = "inch.stl"\n' + SHEET[SHEET.index("[tools.1]") :])
     (folder / "near.ngc").write_text(SLOT.replace("Y10", "Y0.3"))
     run(folder, "near.ngc", "--json", sheet="inch.toml")

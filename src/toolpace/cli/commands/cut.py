@@ -143,8 +143,7 @@ def show_cut(console: Console, found: ProgramCut, machine: str) -> None:
     simulation = found.simulation
     console.print()
     _show_figures(console, found, machine)
-    headings = ["operation", "tool", "in air", "cutting", "removed"]
-    headings += ["mean [cm3/min]", "peak [cm3/min]", "width [mm]", "depth [mm]"]
+    headings = ["operation", "tool", "in air", "cutting", "removed", "mean", "peak", "width", "depth"]
     uncertain = any(each.uncertain >= 0.05 for each in simulation.operations)
     if uncertain:
         headings.insert(4, "not sure")
@@ -157,6 +156,7 @@ def show_cut(console: Console, found: ProgramCut, machine: str) -> None:
         words += [_length(each.width), _length(each.depth)]
         table.add_row(*cells(words))
     console.print(table)
+    console.print("mean and peak removal rate in cm3/min, width and depth in mm\n", style="dim")
     show_findings(console, simulation)
 
 

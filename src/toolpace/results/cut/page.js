@@ -52,9 +52,15 @@
     drawn.push({ type: "scatter3d", mode: "markers", name: "collision", x: hits.map((f) => f.x[0]), y: hits.map((f) => f.x[1]), z: hits.map((f) => f.x[2]),
       marker: { symbol: "x", size: 5, color: "#c92a3f" }, text: hits.map((f) => f.text), hovertemplate: "%{text}<extra></extra>" });
   }
-  const side = (title) => ({ title: { text: title }, gridcolor: line, zerolinecolor: line, showbackground: false });
+  // ways to a tool change are ten times as long as the part: the picture ends a little outside of the moves at feed
+  const rapid = data.states.indexOf("rapid"), spans = [way.x, way.y, way.z].map((values) => {
+    const at = values.filter((_, i) => way.state[i] !== rapid || way.state[Math.min(i + 1, values.length - 1)] !== rapid);
+    return at.length ? [at.reduce((a, b) => Math.min(a, b)), at.reduce((a, b) => Math.max(a, b))] : null;
+  });
+  const margin = spans[0] && Math.max(1, 0.25 * Math.max(...spans.map(([low, high]) => high - low)));
+  const side = (title, span) => ({ title: { text: title }, range: span ? [span[0] - margin, span[1] + margin] : undefined, gridcolor: line, zerolinecolor: line, showbackground: false });
   Plotly.newPlot("way", drawn, {
     font, margin: { l: 0, r: 0, t: 10, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)", legend: { orientation: "h", x: 0, y: 1 },
-    scene: { aspectmode: "data", camera: { eye: { x: -1.3, y: -1.9, z: 1.5 }, projection: { type: "orthographic" } }, xaxis: side("X [mm]"), yaxis: side("Y [mm]"), zaxis: side("Z [mm]") },
+    scene: { aspectmode: "data", camera: { eye: { x: -1.3, y: -1.9, z: 1.5 }, projection: { type: "orthographic" } }, xaxis: side("X [mm]", spans[0]), yaxis: side("Y [mm]", spans[1]), zaxis: side("Z [mm]", spans[2]) },
   }, config);
 })();

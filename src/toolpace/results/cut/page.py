@@ -122,10 +122,8 @@ def cut_page(
         "cards": _cards(simulation, trajectory),
         "operations": "\n".join(_operation(each) for each in simulation.operations),
         "findings": _findings(simulation.findings),
-        "unseen": escape(
-            f"Cells of {format_length(simulation.resolution)}: collisions less deep than "
-            f"{format_length(simulation.smallest_contact)} may not be seen."
-        ),
+        "unseen": escape(_unseen(simulation)),
+        "assumed": "".join(f"<li>{escape(each)}</li>" for each in simulation.assumed) or "<li>nothing</li>",
     }
     data = _data(over_time(simulation, trajectory, toolpath), simulation)
     return shell.whole_page("toolpace.results.cut", "page", "What the tool cuts", fields, data)
@@ -137,6 +135,17 @@ def _warning(simulation: CutSimulation) -> str:
     return (
         '<section class="panel"><p class="lead"><b>The stock is guessed</b>: the box around all cutting moves. Nothing '
         "is concluded from it, neither air nor collisions. Tell [stock] on the set-up sheet.</p></section>"
+    )
+
+
+def _unseen(simulation: CutSimulation) -> str:
+    """What the figures are good for."""
+    ends = ""
+    if simulation.uncertainty > 0.0:
+        ends = f" The stock ends within {format_length(simulation.uncertainty)} of where it is said to."
+    return (
+        f"Cells of {format_length(simulation.resolution)}: collisions less deep than "
+        f"{format_length(simulation.smallest_contact)} may not be seen.{ends}"
     )
 
 
