@@ -163,6 +163,8 @@ def cut_stations(
             after_operation(ended, stock.nominal)
             ended += 1
     by_operation = [[each for each in stretches if each.operation == k] for k in range(len(operations))]
+    if not stock.guessed:
+        findings += air_findings(stretches, operations)
     return CutSimulation(
         operations=tuple(
             operation_cut(operation, None if tool is None else tool.figures, each)
@@ -209,10 +211,7 @@ class _Cut:
         contacts = list(self.with_surroundings(stretch))
         if not guessed:
             contacts += self.with_stock(stretch, met)
-        found = findings_of(stretch.stations, contacts, *words)
-        if not guessed and not stretch.rapid:
-            found += air_findings(stretch.stations, stretch.air, *words)
-        return found
+        return findings_of(stretch.stations, contacts, *words)
 
     def with_stock(self, stretch: CutStretch, met: Sequence[Met]) -> Iterator[Contact]:
         """Rapids, shank and holder in the stock, and cuts above the flutes."""
