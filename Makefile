@@ -58,7 +58,7 @@ mutants: $(VENV)/.base $(VENV)/.test $(VENV)/.mutants  ## small changes of the c
 	$(BIN)/python -m tools.mutants table
 
 lock: $(VENV)/.base  ## write requirements.lock anew, from the newest versions that pyproject.toml allows
-	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,cluster,bench,test,mutants,docs,check]"
+	$(BIN)/pip install --quiet --upgrade --upgrade-strategy eager --editable ".[png,app,cluster,bench,test,mutants,docs,check]"
 	$(BIN)/python tools/lock.py
 
 bench: $(VENV)/.base $(VENV)/.bench  ## the benchmarks, against peers

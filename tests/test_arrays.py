@@ -19,8 +19,8 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
-    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "Motion", "PathJet", "PlaceMap", "PlannedSetUp",
-    "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
+    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "LeftRegion", "Motion", "PathJet", "PlaceMap",
+    "PlannedSetUp", "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
     "deflection.Projection", "PathRun",
 )  # fmt: skip
 """What functions return: nothing public takes one, and nobody need make one."""

@@ -9,7 +9,7 @@ import pytest
 
 import toolpace as tp
 
-HEAVY = ("numba", "scipy", "plotly", "matplotlib", "rich", "cyclopts", "msgspec", "numpy")
+HEAVY = ("numba", "scipy", "matplotlib", "rich", "cyclopts", "msgspec", "numpy")
 
 
 def python(code: str) -> str:
@@ -34,10 +34,10 @@ def test_import_loads_next_to_nothing():
     assert len(loaded) < 60
 
 
-def test_reading_and_machines_need_neither_scipy_nor_plotly():
+def test_reading_and_machines_need_no_scipy():
     code = (
         "import sys, toolpace as tp; tp.Machine.load('paper-ab'); tp.read; "
-        "print([m for m in ('scipy', 'plotly') if m in sys.modules])"
+        "print([m for m in ('scipy',) if m in sys.modules])"
     )
     assert python(code) == "[]"
 

@@ -3,7 +3,7 @@
     python tools/census.py [--strict] [FOLDER]
 
 FOLDER is a package, `src/toolpace` unless given. With `--strict` it ends with 1 where modules import each other in a
-circle, there are more than 16 rooms, a folder holds more than 14 modules, or a function of the kernels has more than
+circle, there are more than 17 rooms, a folder holds more than 14 modules, or a function of the kernels has more than
 80 lines or 12 parameters.
 Read from the sources alone: nothing is imported. An import within a function is an import too.
 """
@@ -18,8 +18,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-MOST_ROOMS = 16
-"""Folders at the top: fourteen, and the two that all stand on, `common` and `kernels`."""
+MOST_ROOMS = 17
+"""Folders at the top: fifteen, and the two that all stand on, `common` and `kernels`."""
 MOST_MODULES = 14
 """In a folder; `__init__.py` and `__main__.py`, the ways in, are not counted."""
 MOST_LINES, MOST_PARAMETERS = 80, 12

@@ -33,10 +33,12 @@ if TYPE_CHECKING:
     from toolpace.cutting.engagement.stations import Stations
     from toolpace.cutting.engagement.table import EngagementTable
     from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
+    from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
     from toolpace.cutting.forces.fixed_engagement import CuttingForces
     from toolpace.cutting.forces.material import Material
     from toolpace.cutting.simulation import simulate_cut
     from toolpace.cutting.simulation.findings import Finding
+    from toolpace.cutting.simulation.left_above_part import LeftAbovePart, LeftRegion
     from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.cutting.simulation.stock_range import Stock, StockRange
@@ -46,7 +48,7 @@ if TYPE_CHECKING:
     from toolpace.deflection.new_trajectory import replan
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
-    from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, Engagement
+    from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
@@ -107,6 +109,7 @@ __all__ = [
     "CuttingForces",
     "CuttingTool",
     "EndState",
+    "EngagedDeflection",
     "EngagedForces",
     "Engagement",
     "EngagementTable",
@@ -121,6 +124,8 @@ __all__ = [
     "Geometry",
     "JointFile",
     "Kinematics",
+    "LeftAbovePart",
+    "LeftRegion",
     "Limits",
     "Machine",
     "MachineFile",
@@ -195,6 +200,7 @@ __all__ = [
     "search_setup",
     "simulate_cut",
     "verify",
+    "with_engaged_deflection",
     "write_set_up",
 ]
 
@@ -221,6 +227,7 @@ _HOME = {
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
     "EndState": "planning.planned_run",
+    "EngagedDeflection": "machine.cutting_tool",
     "EngagedForces": "cutting.forces.engaged",
     "Engagement": "machine.cutting_tool",
     "EngagementTable": "cutting.engagement.table",
@@ -235,6 +242,8 @@ _HOME = {
     "Geometry": "machine.geometry",
     "JointFile": "machine.file",
     "Kinematics": "programs.reading",
+    "LeftAbovePart": "cutting.simulation.left_above_part",
+    "LeftRegion": "cutting.simulation.left_above_part",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
@@ -307,6 +316,7 @@ _HOME = {
     "search_setup": "setup_search.search",
     "simulate_cut": "cutting.simulation",
     "verify": "judge",
+    "with_engaged_deflection": "cutting.forces.engaged_deflection",
     "write_set_up": "results.write.set_up_folder",
 }
 """Public name to the module that defines it. No public function is named like a module (docs/design/decisions.md)."""

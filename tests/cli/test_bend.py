@@ -6,6 +6,7 @@ import hashlib
 import json
 import shutil
 
+import numpy as np
 import pytest
 
 from tests.support.bending import PROGRAM, TOOL_FILE
@@ -100,3 +101,85 @@ def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, capsys, tool, op
     assert main([*asked, "--bend", str(tmp_path / "tool.toml"), *options]) == 2
     error = capsys.readouterr().err.strip()
     assert says in error and "\n" not in error and not (tmp_path / "out").exists()
+
+
+WALL = """G21 G90 G94
+T1 M6
+S18000 M3
+G0 X-5 Y1.4 Z20 A0 C0
+G0 Z-3
+G1 X15 F1500
+G0 Z20
+M30
+"""
+SHEET = """[stock]
+box = [[0, -8, -6], [10, 0, 0]]
+uncertainty = 0
+[tools.1]
+kind = "flat"
+diameter = 4
+flute_length = 12
+teeth = 2
+helix = 30
+stick_out = 40
+material = "carbide"
+"""
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wall")
+    (folder / "wall.nc").write_text(WALL)
+    (folder / "sheet.toml").write_text(SHEET)
+    (folder / "tools.toml").write_text(SHEET[SHEET.index("[tools.1]") :])
+    head = TOOL_FILE[: TOOL_FILE.index("[engagement]")]
+    (folder / "tool.toml").write_text(head + '[engagement]\nmilling = "stock"\n')
+    assert planned(folder, "sheet.toml", "--out", str(folder / "out"), "--no-report") == 0
+    return folder
+
+
+def planned(folder, sheet, *words):
+    asked = ["plan", str(folder / "wall.nc"), "-m", "xyzac-trunnion", "--setup", str(folder / sheet), *words]
+    return main([*asked, "--bend", str(folder / "tool.toml")])
+
+
+def test_a_tool_bends_by_what_it_cuts_of_the_stock_and_the_judge_agrees(wall, tmp_path, capsys):
+    folder = tmp_path / "out"
+    shutil.copytree(wall / "out", folder)
+    bending = json.loads((folder / "plan.json").read_text())["bending"]
+    assert bending["engaged_file"] == "engaged.npz" and 0.05 < bending["largest_mm"] < 0.15
+    code, said = Tamper(folder).verdict(capsys)
+    assert code == 0 and "VERIFIED" in said and "plan.json bending largest_mm" in said
+    # beside the wall the command is shifted towards it by what the judge works out from the file, and the tip is stiff
+    with np.load(folder / "setpoints.npz") as points:
+        assert points["tip"][:, 1].min() == pytest.approx(1.4e-3 - 1e-3 * bending["largest_mm"], abs=12e-6)
+
+
+@pytest.mark.parametrize("name", ["slope", "constant"])
+def test_a_changed_deflection_along_the_program_is_found(wall, tmp_path, capsys, name):
+    folder = tmp_path / "out"
+    shutil.copytree(wall / "out", folder)
+    with np.load(folder / "engaged.npz") as arrays:
+        figures = dict(arrays)
+    figures[name] = 2.0 * figures[name]
+    np.savez_compressed(folder / "engaged.npz", **figures)
+    tamper = Tamper(folder)
+    tamper.seal()
+    code, said = tamper.verdict(capsys)
+    assert code == 1 and "FAILED" in said
+
+
+def test_a_stock_that_no_sheet_names_is_asked_for(wall, tmp_path, capsys):
+    assert planned(wall, "tools.toml", "--out", str(tmp_path / "out")) == 2
+    assert 'milling = "stock", and no set-up sheet names one' in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_without_the_deflection_along_the_program_is_refused(wall, tmp_path, capsys):
+    folder = tmp_path / "out"
+    shutil.copytree(wall / "out", folder)
+    (folder / "engaged.npz").write_bytes(b"no archive")
+    tamper = Tamper(folder)
+    tamper.seal()
+    assert main(["verify", str(folder)]) == 2
+    assert "engaged.npz: cannot be read" in capsys.readouterr().err

@@ -7,6 +7,8 @@ import json
 import numpy as np
 import pytest
 
+from tests.support.report_pages import calculated, embedded
+from tests.support.tampering import Tamper, put, times
 from toolpace.cli import main
 
 MACHINE = "xyzac-trunnion"
@@ -122,7 +124,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
     assert volume == pytest.approx(record["left_mm3"], rel=0.02)
     page = (place / "cut-1.html").read_text()
     assert "holder is not told" in page.split("<script")[0]
-    assert "What the tool cuts" in page and "http://" not in page.split("<script")[0]
+    assert "slot.ngc cuts</title>" in page and "http://" not in page.split("<script")[0]
 
 
 @pytest.mark.parametrize(
@@ -177,3 +179,108 @@ def test_a_question_of_the_stock_s_unit_is_asked_once(folder, capsys):
     (folder / "near.ngc").write_text(SLOT.replace("Y10", "Y0.3"))
     run(folder, "near.ngc", "--json", sheet="inch.toml")
     assert capsys.readouterr().err.count("is it in inches?") == 1
+def test_the_page_of_a_crash_leads_to_it_and_a_second_program_begins_with_what_the_first_left(folder, tmp_path):
+    pytest.importorskip("pyarrow")
+    place = tmp_path / "out"
+    assert run(folder, "slot.ngc", "crash.ngc", "--out", str(place)) == 1
+    text = (place / "cut-2.html").read_text(encoding="utf-8")
+    data = embedded(text)
+    (crash,) = data["findings"]
+    assert crash["text"].startswith("line 5: rapid through") and 0.0 < crash["t"] < data["duration"]
+    assert f'data-seek="{crash["t"]:.6f}">5</button>' in text
+    left = calculated(
+        text,
+        """const stock = new Stock(player.workpiece.stock, player.arrays);
+        return [0, stock.stages].map((stage) => {
+            const { corners: c, triangles } = stock.surface(stage);
+            let sum = 0;
+            for (let k = 0; k < triangles.length; k += 3) {
+                const at = (i) => Array.from(c.slice(3 * triangles[k + i], 3 * triangles[k + i] + 3));
+                const [[a, b, d], [e, f, g], [h, i, j]] = [0, 1, 2].map(at);
+                sum += a * (f * j - g * i) + b * (g * h - e * j) + d * (e * i - f * h);
+            }
+            return sum / 6;
+        });""",
+    )
+    # mm3: the slot of the first program is there before the second, which goes as wide and twice as deep
+    assert left[0] == pytest.approx(20 * 20 * 10 - 20 * 8 * 2, rel=0.005)
+    assert left[1] == pytest.approx(20 * 20 * 10 - 20 * 8 * 4, rel=0.005)
+
+
+def test_what_is_left_above_the_finished_part_is_told_and_is_no_collision(folder, capsys):
+    (folder / "part.toml").write_text(SHEET + "[finished_part]\nbox = [[0, 0, -10], [20, 20, -1.5]]\n")
+    assert run(folder, "slot.ngc", "--json", sheet="part.toml") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    # beside the slot all of the stock stands; in the slot the tool is half a millimetre too deep
+    assert found["left_above_part_mm"] == pytest.approx(1.5, abs=1e-6)
+    assert found["left_above_part_mm3"] == pytest.approx(20 * 12 * 1.5, rel=0.02)
+    kinds = [each["kind"] for each in found["findings"]]
+    assert kinds == ["gouge", "left", "left"] or kinds == ["gouge", "left"]
+    left = found["findings"][1]
+    assert left["line"] == 5 and left["in"] == "finished part" and left["depth_mm"] == pytest.approx(1.5, abs=1e-6)
+    run(folder, "slot.ngc", sheet="part.toml")
+    said = capsys.readouterr().out
+    assert "near line 5: left above finished part, 1.5 mm high" in said and "left      at most 1.5 mm high" in said
+
+
+def plan(folder, *words, sheet="sheet.toml", command="plan"):
+    files = [str(folder / word) if word.endswith(".ngc") else word for word in words]
+    return main([command, *files, "-m", MACHINE, "--setup", str(folder / sheet)])
+
+
+def test_a_plan_shows_air_and_material_apart_where_the_sheet_names_a_stock(folder, capsys):
+    assert plan(folder, "slot.ngc", "--effort", "low", "--out", str(folder / "plan"), "--no-report") == 0
+    assert "at feed     in material" in capsys.readouterr().out
+    figures = json.loads((folder / "plan" / "plan.json").read_text())
+    assert run(folder, "slot.ngc", "--json") == 0
+    (cut,) = json.loads(capsys.readouterr().out)
+    found = figures["cut"]
+    # the cells of 0.4 mm that this is cut with are passed in 8 ms
+    assert found["air_s"] == pytest.approx(cut["air_s"], abs=0.02) and found["stock_mm3"] == cut["stock_mm3"]
+    assert found["air_s"] + found["cutting_s"] + found["uncertain_s"] == pytest.approx(figures["cutting_s"], abs=1e-6)
+    assert found["removed_mm3"] == pytest.approx(20 * 8 * 2, rel=0.01) and found["collisions"] == 0
+    assert [each["tool"] for each in found["operations"]] == ["1"]
+
+
+def test_a_plan_whose_air_was_changed_is_not_verified(folder, tmp_path, capsys):
+    out = tmp_path / "plan"
+    assert plan(folder, "slot.ngc", "--effort", "low", "--out", str(out), "--no-report") == 0
+    tamper = Tamper(out)
+    tamper.figures(put("cut/air_s", times(1.1)))
+    code, said = tamper.verdict(capsys)
+    assert code == 1 and "plan.json cut" in said
+
+
+@pytest.mark.parametrize("sheet", ["tools.toml", "no-tool.toml"])
+def test_a_plan_without_a_known_stock_or_its_tool_tells_nothing_of_air(folder, tmp_path, capsys, sheet):
+    (folder / "no-tool.toml").write_text(SHEET[: SHEET.index("[tools.1]")])
+    out = tmp_path / "plan"
+    assert plan(folder, "slot.ngc", "--effort", "low", "--out", str(out), "--no-report", sheet=sheet) == 0
+    said = capsys.readouterr().out
+    assert "at feed" not in said and json.loads((out / "plan.json").read_text())["cut"] is None
+    assert ("air and material are not told apart: " in said) == (sheet == "no-tool.toml")
+
+
+def test_a_plan_says_that_there_are_collisions(folder, tmp_path, capsys):
+    assert plan(folder, "crash.ngc", "--effort", "low", "--out", str(tmp_path / "plan"), "--no-report") == 0
+    assert "1 collision with the stock or what is around it: see toolpace cut" in capsys.readouterr().out
+
+
+def test_the_time_on_a_control_is_parted_into_air_and_material_and_the_next_program_cuts_what_is_left(folder, capsys):
+    assert plan(folder, "slot.ngc", "slot.ngc", "--no-optimum", "--json", command="time") == 0
+    first, again = json.loads(capsys.readouterr().out)
+    cut = first["cut"]
+    assert cut["air_s"] + cut["cutting_s"] + cut["uncertain_s"] == pytest.approx(first["cutting_s"], abs=1e-9)
+    # in material from 3.46 mm before the stock, where the edge comes in beside the middle, to its end, at 50 mm/s
+    assert cut["cutting_s"] == pytest.approx((20 + np.sqrt(4**2 - 2**2)) / 50, abs=0.05)
+    assert again["cut"]["air_s"] == pytest.approx(again["cutting_s"]) and again["cut"]["removed_mm3"] == 0.0
+    assert again["cut"]["stock_mm3"] == pytest.approx(cut["left_mm3"])
+
+
+def test_a_batch_has_a_column_of_the_time_in_air(folder, tmp_path, capsys):
+    out = tmp_path / "batch"
+    assert plan(folder, "slot.ngc", "--workers", "0", "--what", "time", "--no-optimum", "--out", str(out),
+                command="batch") == 0  # fmt: skip
+    assert "in air" in capsys.readouterr().out and "In air" in (out / "batch.html").read_text()
+    (row,) = json.loads((out / "batch.json").read_text())["jobs"]
+    assert row["air_s"] + row["material_s"] == pytest.approx(0.81, abs=0.02)

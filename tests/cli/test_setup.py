@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ import toolpace as tp
 from testbed.curved_pass import curved_pass
 from testbed.true_tip.cases import Maker
 from toolpace.cli import main
+from toolpace.results.write import read_plan
 from toolpace.results.write.set_up_folder import cldata_text
 
 QUICK = ["--trials", "24", "--workers", "0", "--no-map"]
@@ -37,7 +39,7 @@ def test_the_folder_holds_what_is_to_be_loaded(part, tmp_path, capsys):
     assert record["gain"] == pytest.approx(1.0 - record["duration_s"] / record["given_duration_s"])
     assert len(record["set_ups"]) == 4 and len(record["map"]["seconds"]) == 9
     page = (out / "setup.html").read_text()
-    assert "Time over the place" in page and "Content-Security-Policy" in page and "<script" not in page
+    assert "Time over the place" in page and "Content-Security-Policy" in page and page.count("<script>") == 1
     plan = tmp_path / "plan"
     ways = (["-m", str(out / "machine.toml")], ["-m", "xyzac-trunnion", "--setup", str(out / "setup.toml")])
     for way in ways if record["set_ups"][0]["solution"] == 0 else ways[:1]:
@@ -46,6 +48,20 @@ def test_the_folder_holds_what_is_to_be_loaded(part, tmp_path, capsys):
         assert duration == pytest.approx(record["duration_s"], rel=1e-6)
     # the same again takes the place of what toolpace wrote
     assert main([*arguments, "--no-map"]) == 0 and not (out / "map.svg").exists()
+
+
+@pytest.mark.sweep
+def test_rows_lead_to_the_plans_of_the_set_ups(part, tmp_path):
+    out, plans = tmp_path / "found", tmp_path / "a b"
+    arguments = ["setup", str(part), "-m", "xyzac-trunnion", *QUICK, "--shown", "2", "--out", str(out)]
+    assert main([*arguments, "--plans", str(plans)]) == 0
+    links = re.findall(r'<a href="([^"]+)">', (out / "setup.html").read_text(encoding="utf-8"))
+    assert links == ["../a%20b/1/report.html", "../a%20b/2/report.html"]
+    record = json.loads((out / "setup.json").read_text())
+    for number, found in enumerate(record["set_ups"], start=1):
+        plan = read_plan(plans / str(number))
+        assert plan.verified and plan.duration_s == pytest.approx(found["duration_s"], rel=1e-6)
+        assert (plans / str(number) / "report.html").is_file()
 
 
 @pytest.mark.sweep

@@ -11,7 +11,7 @@ import pytest
 HEAVY = ("numpy", "numba", "scipy", "toolpace.judge", "toolpace.planning", "toolpace.programs.reading")
 NOT_FOR_A_PLAN = (
     "scipy.interpolate", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special", "scipy.stats",
-    "plotly.graph_objects", "plotly.io", "matplotlib", "pandas", "pyarrow", "toolpace.setup_search", "toolpace.study",
+    "matplotlib", "pandas", "pyarrow", "toolpace.setup_search", "toolpace.study",
 )  # fmt: skip
 PROGRAM = "G21 G90 G54\nG43.4 H1\nG1 X10 Y0 Z10 A0 C0 F1000\nX20 Y5\nX30 Y5 A5\nX40 Y0\nM30\n"
 

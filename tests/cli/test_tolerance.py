@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from toolpace.cli import demo_programs, main
-from toolpace.cli.commands.tolerance import apart, drawn, round_values
+from toolpace.cli.commands.tolerance import Cost, apart, drawn, round_values, tolerance_page
 from toolpace.results.write import read_plan
 
 
@@ -56,9 +56,28 @@ def test_lines_of_the_picture_are_round_and_hold_all():
     for low, high in ((19.26, 22.9), (1.0, 1.0), (0.031, 0.047), (900.0, 1310.0)):
         values = round_values(low, high)
         assert values[0] <= low and values[-1] >= high and 2 <= len(values) <= 9
-    assert "<polyline" in drawn([(1e-6, 2.0), (1e-5, 1.0)], "a<b") and "a&lt;b" in drawn(
-        [(1e-6, 2.0), (1e-5, 1.0)], "a<b"
-    )
+    found = drawn([Cost(1e-6, 2.0), Cost(1e-5, 1.0)], "a<b")
+    assert "<polyline" in found and "a&lt;b" in found
+
+
+def test_rows_lead_to_the_plans_that_are_there(program, tmp_path, capsys):
+    folder = tmp_path / "plans"
+    given = ["tolerance", str(program), "-m", demo_programs.MACHINE, "--feed", "none", "--effort", "low"]
+    assert main([*given, "--tips", "30um", "--plans", str(folder)]) == 0
+    assert {each.name for each in folder.iterdir()} == {"10um", "30um", "tolerance.html", "compared.html"}
+    page, record = (folder / "tolerance.html").read_text(encoding="utf-8"), read_plan(folder / "30um")
+    assert record.verified and record.tip_tolerance_mm == pytest.approx(0.03)
+    links = re.findall(r'<a href="([^"]+)">', page)
+    assert sorted(links) == ["10um/report.html", "30um/report.html", "compared.html"]
+    assert all((folder / link).is_file() for link in links)
+    assert f"{record.duration_s:.4g}"[:4] in capsys.readouterr().out
+    (folder / "30um" / "report.html").unlink()
+    found = [Cost(1e-5, 2.0, "10um"), Cost(3e-5, 1.0, "30um")]
+    again = tolerance_page(folder, "<b>part</b>", "mill", found, found[0])
+    assert "30um/report.html" not in again and "<b>part" not in again
+    # what is there is not written over
+    assert main([*given, "--plans", str(folder)]) == 2
+    assert "--plans" in capsys.readouterr().err
 
 
 OPERATIONS = """N10 G21 G90 G94 G64 P0.03

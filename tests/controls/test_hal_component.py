@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 
@@ -171,6 +172,27 @@ def test_what_cannot_be_played_is_told_in_one_line(law, hal, backlog, words):
     with pytest.raises(UsageError, match=words):
         Component(Follower.load(law), hal, Settings(backlog=backlog))
     assert hal.component_made is None or hal.component_made.gone
+
+
+def test_who_watches_sees_each_row_and_what_it_counted_on(law, monkeypatch):
+    hal, seen = FakeHal(periods=3), []
+    hal.script = ended_at(beyond=1)
+    monkeypatch.setattr(hal_component, "time", hal.clock)
+    made = Component(Follower.load(law), hal, Settings(backlog=BACKLOG), lambda *each: seen.append(each))
+    hal.component_made["enable"] = 1
+    made.run()
+    rows = np.array([point.q for point, _ in seen]) / UNITS
+    assert rows[-1] == pytest.approx(np.array(hal.played[-1]), abs=1e-12) and len(seen) > 500
+    assert sum(deflection is not None for _, deflection in seen) == pytest.approx(len(seen) / 3, rel=0.02)
+
+
+def test_the_command_tells_where_to_watch(law, monkeypatch, capsys):
+    hal = FakeHal()
+    hal.script = lambda period, pins: os.kill(os.getpid(), signal.SIGTERM)
+    monkeypatch.setattr("toolpace.controls.hal.hal_module", lambda: hal)
+    monkeypatch.setattr(hal_component, "time", hal.clock)
+    assert main(["follow", str(law), "--backlog", "10ms", "--watch"]) == 0
+    assert re.search(r"watch it +http://127\.0\.0\.1:\d+/[\w-]{32}/\n", capsys.readouterr().out)
 
 
 def test_a_missing_linuxcnc_is_named_with_the_cure(law, monkeypatch, capsys, tmp_path):

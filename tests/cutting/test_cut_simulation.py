@@ -119,7 +119,7 @@ def test_a_block_that_rapids_part_cuts_where_one_of_its_parts_does():
     cycle = replace(peck, block=np.full(len(peck), 7))
     assert [each.line for each in cut(peck).findings] == [2]
     assert not cut(cycle).findings
-    above = replace(cycle, tip=cycle.tip + [0.0, 0.0, 5 * MM])
+    above = replace(cycle, tip=cycle.tip + np.array([0.0, 0.0, 5 * MM]))
     assert [(each.kind, each.line) for each in cut(above).findings] == [("air", 7)]
 
 

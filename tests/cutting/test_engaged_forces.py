@@ -221,6 +221,17 @@ def test_what_is_left_on_a_wall_is_the_deflection_of_the_turned_tool_when_the_ed
     np.testing.assert_allclose(found.surface_height[0], heights[[left.argmin(), left.argmax()]], atol=0.3e-3)
 
 
+def test_a_lens_cuts_as_the_turned_tool():
+    lens = replace(FLAT, kind="lens", corner_radius=1e-3, barrel_radius=20e-3)
+    table, speed = shoulder(2e-3, 0.6, np.pi), CHIP * 3 * SPINDLE
+    found = EngagedForces(table, lens, K, SPINDLE).loads(speed)
+    force, torque = turned_tool(lens, K, table, 0, speed, SPINDLE, steps=1440)
+    size = np.linalg.norm(force, axis=1).max()
+    np.testing.assert_allclose(found.mean[0], force.mean(axis=0), atol=2e-3 * size)
+    assert found.resultant[0] == pytest.approx(size, rel=5e-3)
+    assert found.mean_torque[0] == pytest.approx(torque.mean(), rel=2e-3)
+
+
 def test_conventional_milling_with_a_helix_cuts_too_deep():
     """The edge that generates the wall enters with no chip, while others pull the tool into it."""
     found = loads(shoulder(4e-3, 0.0, 1.6), replace(FLAT, helix=np.radians(45.0)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
-from toolpace.cutting.engagement.stations import motion_stations
+from toolpace.cutting.engagement.stations import motion_stations, program_stations
 from toolpace.errors import UsageError
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
@@ -106,3 +106,21 @@ def test_motion_of_another_program_is_refused(planned):
 def test_more_stations_than_memory_holds_are_refused(planned):
     with pytest.raises(UsageError, match="give a coarser resolution"):
         motion_stations(planned[1], planned[0], 1e-9, [0.1, 0.1])
+
+
+def test_stations_of_a_program_are_on_its_straight_ways_at_the_times_of_its_points(planned):
+    toolpath = planned[0]
+    times = np.cumsum(np.random.default_rng(1).uniform(0.1, 2.0, len(toolpath)))
+    parts = program_stations(toolpath, times, 0.5e-3, [0.1, 0.1])
+    assert [int(part.operation[-1]) for part in parts] == [0, 1]
+    assert parts[0].time[0] == times[0] and parts[-1].time[-1] == times[-1]
+    for part in parts:
+        for point in (part.tip, part.tip + 0.1 * part.axis):
+            assert np.linalg.norm(np.diff(point, axis=0), axis=1).max() < 0.5e-3 * (1.0 + 1e-6)
+        assert (np.diff(part.time) >= 0.0).all()
+        # points that are close together have one station; none is a quarter of the spacing and a bow off
+        for name in ("tip", "axis"):
+            way = getattr(toolpath, name)
+            there = np.stack([np.interp(part.time, times, column) for column in way.T], axis=1)
+            assert np.abs(there - getattr(part, name)).max() < (0.15e-3 if name == "tip" else 5e-3)
+        assert set(part.block.tolist()) <= set(toolpath.block.tolist())

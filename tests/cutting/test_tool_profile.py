@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,8 @@ TOOLS = {
     "cone": ToolFigures("taper", 0.004, taper=math.radians(5.0), flute_length=0.02),
     "tapered ball": ToolFigures("taper", 0.004, corner_radius=0.002, taper=math.radians(5.0), flute_length=0.02),
     "barrel": ToolFigures("barrel", 0.01, corner_radius=0.002, barrel_radius=0.06, flute_length=0.022),
+    "lens": ToolFigures("lens", 0.01, corner_radius=0.001, barrel_radius=0.02, flute_length=0.02),
+    "sharp lens": ToolFigures("lens", 0.01, barrel_radius=0.02, flute_length=0.02),
     "drill": ToolFigures("drill", 0.008, point_angle=math.radians(118.0), flute_length=0.04),
     "chamfer": ToolFigures("chamfer", 0.008, point_angle=math.radians(90.0), flute_length=0.01),
     "short ball": ToolFigures("ball", 0.01, flute_length=0.003),
@@ -42,7 +45,7 @@ def test_pieces_join_without_a_step_and_are_convex(name):
     assert radius.max() <= profile.radius * (1.0 + 1e-12)
 
 
-@pytest.mark.parametrize("name", ["flat", "face", "bull", "ball", "barrel", "drill", "chamfer"])
+@pytest.mark.parametrize("name", ["flat", "face", "bull", "ball", "barrel", "lens", "sharp lens", "drill", "chamfer"])
 def test_the_widest_place_is_half_the_diameter(name):
     assert ToolProfile.of(TOOLS[name]).radius == pytest.approx(0.5 * TOOLS[name].diameter)
 
@@ -50,8 +53,28 @@ def test_the_widest_place_is_half_the_diameter(name):
 def test_flat_ends():
     flats = {name: ToolProfile.of(figures).flat_radius for name, figures in TOOLS.items()}
     assert flats["flat"] == 0.005 and flats["bull"] == pytest.approx(0.003) and flats["cone"] == 0.002
-    for name in ("ball", "tapered ball", "barrel", "drill", "chamfer"):
+    for name in ("ball", "tapered ball", "barrel", "lens", "sharp lens", "drill", "chamfer"):
         assert flats[name] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("corner", [0.0, 0.001, 0.004])
+def test_a_lens_is_a_sphere_about_its_axis_a_corner_and_a_cylinder(corner):
+    profile = ToolProfile.of(replace(TOOLS["lens"], corner_radius=corner))
+    z = np.linspace(1e-6, 0.02, 2001)
+    radius, across, along = profile.surface(z)
+    on_end = np.abs(np.hypot(radius, 0.02 - z) - 0.02) < 1e-12
+    # a ball of the corner's radius that rolls within the profile touches the end there, and the side
+    height = z[~on_end][0]
+    assert height == pytest.approx(profile.cutting[0, 1], abs=2e-5)
+    centre = radius - corner * across, z - corner * along
+    of_corner = ~on_end & (z < profile.cutting[-1, 0])
+    assert np.ptp(centre[0][of_corner], axis=0) < 1e-12 if corner else not of_corner.sum() > 1
+    assert radius[-1] == 0.005 and along[-1] == 0.0
+    # with a corner of half the diameter it is a ball, with an end of a large radius a bull-nose mill
+    ball = ToolProfile.of(replace(TOOLS["lens"], corner_radius=0.005)).surface(z)[0]
+    assert ball == pytest.approx(ToolProfile.of(TOOLS["ball"]).surface(z)[0], abs=1e-9)
+    bull = ToolProfile.of(replace(TOOLS["lens"], corner_radius=0.002, barrel_radius=1e3)).surface(z[50:])[0]
+    assert bull == pytest.approx(ToolProfile.of(TOOLS["bull"]).surface(z[50:])[0], abs=1e-7)
 
 
 def test_shank_and_holder_stand_on_the_edge():

@@ -155,6 +155,13 @@ CASES: dict[str, Case] = {
     "CuttingTool: compliance": Case(
         lambda x: tp.CuttingTool(x, CUT, 0.01), f32(np.diag([1e-7, 1e-7, 2e-8])), "compliance"
     ),
+    "EngagedDeflection: way": Case(lambda x: tp.EngagedDeflection(x, TIPS, TIPS), np.arange(float(len(TIPS))), "way"),
+    "EngagedDeflection: slope": Case(
+        lambda x: tp.EngagedDeflection(np.arange(float(len(TIPS))), x, TIPS), 1.0 * TIPS, "slope"
+    ),
+    "EngagedDeflection: constant": Case(
+        lambda x: tp.EngagedDeflection(np.arange(float(len(TIPS))), TIPS, x), 1.0 * TIPS, "constant"
+    ),
     "CuttingForces.at: angle": Case(lambda x: FORCES.at(x, 1e-5), LINES, "angle"),
     "CuttingForces.over_time: t": Case(lambda x: FORCES.over_time(x, 0.02), LINES, "t"),
     "CuttingForces.feed_per_tooth: speed": Case(FORCES.feed_per_tooth, LINES, "speed"),

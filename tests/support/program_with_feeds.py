@@ -6,11 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolpace.cutting.feeds.schedule import ends_of_pieces
+from toolpace.cutting.feeds.schedule import AT_A_POINT, ends_of_pieces
 from toolpace.cutting.prediction import with_points
-
-AT_A_POINT = 1e-6
-"""Share of a way from its end within which a change of feed is at the end itself."""
 
 
 def with_feeds(toolpath, machine, places, feeds):
@@ -19,7 +16,7 @@ def with_feeds(toolpath, machine, places, feeds):
     What no station speaks of keeps its own; times of blocks (G93) give way where the new feed is another than what they
     come to.
     """
-    x, values = ends_of_pieces(places, feeds)
+    x, values = ends_of_pieces(places, feeds, toolpath.most_speed)
     if not len(x):
         return toolpath
     inserted = x[np.abs(x - np.round(x)) > AT_A_POINT]

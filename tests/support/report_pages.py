@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 MISSING = -(2**31)
-UNDRAWN = ("arrays", "motion", "timeline", "program", "player")
+UNDRAWN = ("theme", "arrays", "motion", "playback", "tracks", "timeline", "stock", "program", "player")
 """Scripts of the report that calculate, and need no page for that."""
 STUBS = """
 const frames = [], look = { getPropertyValue: () => "", fontFamily: "" };
@@ -80,9 +80,14 @@ class Opened:
         raise AssertionError(f"never true: {script}; {self.problems}")
 
 
-@contextmanager
 def opened(path: Path, width: int = 1300, height: int = 1000, scheme: str = "light"):
     """The page of a file in Chromium, once it is ready; skips where there is none."""
+    return watched(path.resolve().as_uri(), width, height, scheme)
+
+
+@contextmanager
+def watched(address: str, width: int = 1300, height: int = 1000, scheme: str = "light"):
+    """The page at an address in Chromium, once it is ready; skips where there is none."""
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), "")
     if not browser:
         pytest.skip("Chromium is not installed (apt-get install chromium)")
@@ -95,7 +100,7 @@ def opened(path: Path, width: int = 1300, height: int = 1000, scheme: str = "lig
         page.on("console", lambda message: found.problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: found.problems.append(str(error)))
         page.on("request", lambda request: found.requests.append(request.url))
-        page.goto(path.resolve().as_uri())
+        page.goto(address)
         try:
             found.wait("window.toolpaceReady")
             yield found

@@ -21,6 +21,12 @@ def radius_at(tool, z):
         on_cone = half - corner * (1.0 - np.cos(tool.taper)) + (z - up) * slope
         on_tip = half - corner + np.sqrt(np.maximum(corner**2 - (corner - z) ** 2, 0.0))
         return np.where(z < up, on_tip, on_cone)
+    if tool.kind == "lens":
+        end = tool.barrel_radius
+        height = end - np.sqrt((end - corner) ** 2 - (half - corner) ** 2)
+        touch = end - (end - height) * end / (end - corner)
+        rounded = half - corner + np.sqrt(np.maximum(corner**2 - np.maximum(height - z, 0.0) ** 2, 0.0))
+        return np.where(z < touch, np.sqrt(2.0 * end * z - z**2), rounded)
     corner = half if tool.kind == "ball" else corner
     if corner == 0.0:
         return np.full_like(z, half)

@@ -7,7 +7,8 @@ from pathlib import Path
 from cyclopts import App
 
 from toolpace.cli import options
-from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, setup, tolerance
+from toolpace.cli.commands import app as app_page
+from toolpace.cli.commands import batch, compare, cut, export, feeds, follow, machines, picture, setup, tolerance
 from toolpace.cli.console import Steps, cells, new_console, new_table
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
@@ -34,7 +35,9 @@ Examples:
     toolpace feeds part.ngc -m xyzac-trunnion --setup s.toml -o new.ngc   the program with the feeds that its cut allows
     toolpace verify part-plan         verify a plan again, from its files alone
     toolpace export part-plan --to table            files that a control loads
+    toolpace picture part-plan --at 12.5s -o part.png    the motion at a moment, or --to part.gif
     toolpace batch parts/ -m xyzac-trunnion         many programs, on all cores or a cluster
+    toolpace app                      a page in the browser that does all of that
     toolpace follow part.law          follow a plan live, as a component of LinuxCNC's HAL
 
 Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
@@ -120,6 +123,7 @@ def plan_command(
 
 
 app.command(batch.batch_command, name="batch", help_epilogue="")
+app.command(app_page.app_command, name="app", help_epilogue="")
 
 
 @app.command(name="verify", help_epilogue="")
@@ -149,6 +153,9 @@ app.command(compare.compare_command, name="compare", help_epilogue="")
 
 
 app.command(export.export_command, name="export", help_epilogue="")
+
+
+app.command(picture.picture_command, name="picture", help_epilogue="")
 
 
 app.command(follow.follow_command, name="follow", help_epilogue="")

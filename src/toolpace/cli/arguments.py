@@ -203,12 +203,12 @@ def control_model(name: str | None) -> str | None:
     raise UsageError(f"--model '{name[:40]}' is not known; {did_you_mean(name, MODELS)}")
 
 
-def folder_for_results(out: str) -> Path:
+def folder_for_results(out: str, option: str = "--out") -> Path:
     """The folder for the results, found fit for them before work that may take minutes."""
     try:
         folder_to_write(out)
     except UsageError as error:
-        raise UsageError(f"--out {error}") from None
+        raise UsageError(f"{option} {error}") from None
     return Path(out)
 
 

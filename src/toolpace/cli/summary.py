@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.results.write import PlanRecord
-    from toolpace.results.write.plan_json import BendingRecord, OpenPlaceRecord
+    from toolpace.results.write.plan_json import BendingRecord, CutRecord, OpenPlaceRecord
 
 LEAST_GAIN = 5e-4
 """Share of the duration from which the iterations count as a saving."""
@@ -36,6 +36,8 @@ SHOWN = 6
 """How many limits are named."""
 SENTENCES = 12
 """How many operations, and how many assumptions, are listed."""
+LEAST_UNSURE = 0.05
+"""Time that depends on where the stock ends from which it is shown [s]."""
 FULL = 0.999
 """Utilisation from which a limit counts as fully used."""
 
@@ -62,6 +64,9 @@ def show_plan(console: Console, record: PlanRecord, verification: Verification) 
     if record.operations:
         for k, sentence in enumerate(times_in_words(record)):
             grid.add_row("" if k else "operations", Text(sentence))
+    if record.cut is not None:
+        for k, sentence in enumerate(cut_in_words(record.cut)):
+            grid.add_row("" if k else "at feed", Text(sentence, style="bold red" if "collision" in sentence else ""))
     for k, sentence in enumerate(record.assumed[:SENTENCES]):
         grid.add_row("" if k else "assumed", Text(sentence))
     if len(record.assumed) > SENTENCES:
@@ -103,6 +108,19 @@ def times_in_words(record: PlanRecord) -> list[str]:
         lines.append(f"{name}: {format_time(each.time_s)} ({times})")
     more = len(several) - SENTENCES
     return lines + ([f"and {more} more: see plan.json"] if more > 0 else [])
+
+
+def cut_in_words(cut: CutRecord) -> list[str]:
+    """ "in material 3 min 10 s, in air 1 min 2 s; not sure 0.4 s, by where the stock ends", and whether there are
+    collisions."""
+    times = f"in material {format_time(cut.cutting_s)}, in air {format_time(cut.air_s)}"
+    if cut.uncertain_s >= LEAST_UNSURE:
+        ends = format_length(cut.uncertainty_mm * MILLIMETRE)
+        times += f", either of both {format_time(cut.uncertain_s)}, as the stock ends within {ends}"
+    lines = [f"{times}; {cut.removed_mm3 / 1e3:.4g} cm3 removed"]
+    if cut.collisions:
+        lines.append(f"{counted(cut.collisions, 'collision')} with the stock or what is around it: see toolpace cut")
+    return lines
 
 
 def near_in_words(share: float | None) -> str:

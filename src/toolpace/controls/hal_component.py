@@ -13,7 +13,7 @@ import gc
 import math
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,9 +64,16 @@ class Settings:
 class Component:
     """Plays a follower into a streamer."""
 
-    def __init__(self, follower: Follower, hal: Any, settings: Settings) -> None:
-        """Make pins and attach to the streamer. Raises UsageError."""
-        self.follower = follower
+    def __init__(
+        self,
+        follower: Follower,
+        hal: Any,
+        settings: Settings,
+        watch: Callable[[SetPoint, Floats | None], None] = lambda point, deflection: None,
+    ) -> None:
+        """Make pins and attach to the streamer; `watch` is shown each set-point with the deflection (3,) that it
+        counted on [m], and must not wait. Raises UsageError."""
+        self.follower, self._watch = follower, watch
         piece = follower.piece
         place = piece[layout.PLACE : layout.COMPLIANCE].view(np.int64)
         self._scale = np.full(JOINTS, 1.0 / MILLIMETRE)
@@ -160,6 +167,7 @@ class Component:
             row = (point.q * self._scale).tolist()
             record.write(self.rows.given, row, point, point.correction[0] * self._scale, last)
             self.rows.write(row)
+            self._watch(point, None if last is None else last.deflection)
         if point is not None:
             self._show(point)
         time.sleep(self.follower.period)

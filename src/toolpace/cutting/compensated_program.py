@@ -107,6 +107,11 @@ def compensate_bending(
             f"compensate_bending: tool is {str(tool)[:40]!r}; give a CuttingTool, as load_tool(path) makes it"
         )
     check_machine(machine, "compensate_bending")
+    if tool.from_stock and tool.engaged is None:
+        raise UsageError(
+            f'{tool.source}: milling = "stock": name a stock and this tool on the set-up sheet (--setup), or write the '
+            "engagement; in Python, with_engaged_deflection makes the tool of a simulated cut"
+        )
     if Tolerances.of(tip_tolerance, "tip_tolerance").one_sided:
         raise UsageError("a tip that must be on one side of its program and a tool that bends: one at a time")
     cut = cut_of_way(tool, toolpath)

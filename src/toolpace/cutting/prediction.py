@@ -23,7 +23,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.cutting.compliance import tool_to_workpiece
 from toolpace.cutting.forces.fixed_engagement import CuttingForces
-from toolpace.machine.cutting_tool import Cut, CuttingTool
+from toolpace.machine.cutting_tool import Cut, CuttingTool, EngagedDeflection
 from toolpace.machine.machine import Machine
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.fit.polyline import great_circle
@@ -181,20 +181,19 @@ def predicted_bending(
     step = stations.toolpath.way[1:]
     at = np.flatnonzero((cut[1:] >= 0) & (duration > 0.0))
     bent = np.zeros((len(step), 3))
-    bent[at] = bending_of_ways(step[at] / duration[at, None], rotary[at], cut[1:][at], tool, machine)
+    velocity = step[at] / duration[at, None]
+    if tool.engaged is None:
+        bent[at] = bending_of_ways(velocity, rotary[at], cut[1:][at], tool, machine)
+    else:
+        middle = 0.5 * (stations.way[1:] + stations.way[:-1])[at]
+        bent[at] = engaged_bending_of_ways(velocity, rotary[at], middle, tool.engaged, machine)
     return blended(stations.way, bent, tool.blend)
 
 
 def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTool, machine: Machine) -> Floats:
     """Deflection (k, 3) [m] where the tip goes at velocities (k, 3) [m/s], with rotary joints at (k, 2) [rad]."""
     turn = tool_to_workpiece(machine, rotary)
-    axis = turn[:, :, 2]
-    across = velocity - np.einsum("nc,nc->n", velocity, axis)[:, None] * axis
-    speed = np.linalg.norm(across, axis=1)
-    whole = np.linalg.norm(velocity, axis=1)
-    share = np.clip((speed / np.where(whole > 0.0, whole, 1.0) - PLUNGE) / (ACROSS - PLUNGE), 0.0, 1.0)
-    feed = across / np.where(share > 0.0, speed, 1.0)[:, None]
-    normal = np.cross(axis, feed)
+    feed, normal, axis, share, speed = _feed_frames(velocity, turn[:, :, 2])
     force = np.zeros((len(velocity), 3))
     for k, forces in enumerate(map(CuttingForces, cuts_of(tool))):
         of_cut = np.flatnonzero((cut == k) & (share > 0.0))
@@ -203,6 +202,32 @@ def bending_of_ways(velocity: Floats, rotary: Floats, cut: Ints, tool: CuttingTo
     in_workpiece = force[:, :1] * feed + force[:, 1:2] * normal + force[:, 2:] * axis
     found: Floats = np.einsum("nab,bc,ndc,nd->na", turn, tool.compliance, turn, in_workpiece, optimize=True)
     return found
+
+
+def engaged_bending_of_ways(
+    velocity: Floats, rotary: Floats, way: Floats, engaged: EngagedDeflection, machine: Machine
+) -> Floats:
+    """Deflection (k, 3) [m] by the engagement along a program, `way` (k,) [m] along it; for all else see
+    `bending_of_ways`."""
+    feed, normal, axis, share, _ = _feed_frames(velocity, tool_to_workpiece(machine, rotary)[:, :, 2])
+    slope, constant = (
+        np.stack([np.interp(way, engaged.way, column) for column in each.T], axis=1)
+        for each in (engaged.slope, engaged.constant)
+    )
+    bent = share[:, None] * (slope * np.linalg.norm(velocity, axis=1)[:, None] + constant)
+    found: Floats = bent[:, :1] * feed + bent[:, 1:2] * normal + bent[:, 2:] * axis
+    return found
+
+
+def _feed_frames(velocity: Floats, axis: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Feed across the axis, normal and axis (k, 3); share of the motion that counts as across (k,), and its speed
+    across (k,) [m/s]."""
+    across = velocity - np.einsum("nc,nc->n", velocity, axis)[:, None] * axis
+    speed = np.linalg.norm(across, axis=1)
+    whole = np.linalg.norm(velocity, axis=1)
+    share = np.clip((speed / np.where(whole > 0.0, whole, 1.0) - PLUNGE) / (ACROSS - PLUNGE), 0.0, 1.0)
+    feed = across / np.where(share > 0.0, speed, 1.0)[:, None]
+    return feed, np.cross(axis, feed), axis, share, speed
 
 
 def passages(

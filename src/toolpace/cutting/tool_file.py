@@ -77,6 +77,8 @@ class _File(Tables):
         tool, bending, cutting, engagement = (self.part(name) for name in PARTS)
         cutter = self.cutter(tool)
         blend = self.length("[bending]", bending, "blend", cutter.diameter)
+        if engagement.get("milling") == "stock":
+            self.refuse_beside_stock(bending, engagement)
         return self.made(
             lambda: CuttingTool(
                 compliance=self.bending(bending, tool, cutter).compliance,
@@ -85,6 +87,7 @@ class _File(Tables):
                 force=self.word("[cutting]", cutting, "force", FORCES, "mean"),
                 operations=self.operations(engagement, cutting, cutter, tool),
                 only=self.names(tool),
+                youngs_modulus=self.modulus(bending) if "youngs_modulus" in bending else None,
                 source=self.source,
             )
         )
@@ -123,7 +126,7 @@ class _File(Tables):
         if keys == ["youngs_modulus"]:
             if "stick_out" not in tool:
                 self.fail("[tool]", 'stick_out is missing: youngs_modulus needs it; write it like stick_out = "30mm"')
-            modulus = self.quantity("[bending]", bending, "youngs_modulus", units.parse_pressure, "580GPa")
+            modulus = self.modulus(bending)
             bar = self.length("[bending]", bending, "diameter", cutter.diameter)
             return Bending.cantilever(bar, self.length("[tool]", tool, "stick_out"), modulus)
         if "diameter" in bending:
@@ -139,6 +142,17 @@ class _File(Tables):
         matrix = [[self.number("[bending]", "compliance", each) * 1e-6 for each in self.row(row)] for row in rows]
         return self.made(lambda: Bending(np.array(matrix)))
 
+    def modulus(self, bending: Table) -> float:
+        return self.quantity("[bending]", bending, "youngs_modulus", units.parse_pressure, "580GPa")
+
+    def refuse_beside_stock(self, bending: Table, engagement: Table) -> None:
+        """Raise UsageError for what the stock and the sheet's tool tell already."""
+        if "youngs_modulus" not in bending:
+            self.fail("[bending]", 'with milling = "stock" the tool bends as a bar; write its youngs_modulus')
+        for key in ("axial_depth", "radial_depth", "operations"):
+            if key in engagement:
+                self.fail("[engagement]", f'{key} beside milling = "stock": the stock tells it; remove one of both')
+
     def row(self, row: object) -> list[object]:
         if not isinstance(row, list) or len(row) != 3:
             self.fail("[bending]", f"compliance has the row {row!r:.40}; write three numbers [um/N]")
@@ -149,6 +163,10 @@ class _File(Tables):
         milling = self.word(place, table, "milling", CUTS)
         if milling == "none":
             return None
+        if milling == "stock":
+            if place != "[engagement]":
+                self.fail(place, 'milling = "stock" is for all operations; write it under [engagement]')
+            return Engagement(milling)
         axial = self.length(place, table, "axial_depth")
         if "stick_out" in tool and axial > (out := self.length("[tool]", tool, "stick_out")):
             self.fail(place, f"axial_depth = {table['axial_depth']!r} is more than the stick_out of {out * 1e3:g} mm")

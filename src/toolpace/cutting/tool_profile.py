@@ -114,6 +114,8 @@ def _cutting_part(figures: ToolFigures, reach: float) -> Floats:
     pieces: list[list[float]]
     if kind == "barrel" and math.isfinite(figures.barrel_radius):
         pieces = _barrel(radius, corner, figures.barrel_radius)
+    elif kind == "lens" and math.isfinite(figures.barrel_radius):
+        pieces = _lens(radius, corner, figures.barrel_radius, reach)
     elif kind in ("drill", "chamfer") and figures.point_angle > 0.0 and taper == 0.0:
         point = radius / math.tan(0.5 * figures.point_angle)
         pieces = [line(0.0, point, 0.0, radius)] if point > SHORTEST else []
@@ -150,6 +152,21 @@ def _barrel(radius: float, corner: float, side: float) -> list[list[float]]:
     begin = height - (height - corner) * side / (side - corner)
     pieces = [arc(0.0, begin, (0.0, corner), corner)] if begin > 0.0 else []
     pieces.append(arc(max(begin, 0.0), 2.0 * height - max(begin, 0.0), (radius - side, height), side))
+    return pieces
+
+
+def _lens(radius: float, corner: float, end: float, reach: float) -> list[list[float]]:
+    """An end of a large radius about the axis, the corner that it goes over into, and a straight side."""
+    if end <= radius or corner >= end:
+        return _rounded_cone(radius, radius, 0.0, reach)
+    # the centres of both arcs and the point in which they touch are on one line
+    height = end - math.sqrt((end - corner) ** 2 - (radius - corner) ** 2)
+    begin = end - (end - height) * end / (end - corner)
+    pieces = [arc(0.0, begin, (0.0, end), end)]
+    if corner > 0.0:
+        pieces.append(arc(begin, height, (radius - corner, height), corner))
+    side = height if corner > 0.0 else begin
+    pieces.append(line(side, max(reach, side + SHORTEST), radius, radius))
     return pieces
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.reading import ReadOptions
+    from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
 
@@ -47,6 +48,9 @@ class ProgramCut:
     toolpath: ToolPath
     trajectory: Trajectory
     simulation: CutSimulation
+    setup: SetUp
+    text: bytes
+    """What its file holds."""
 
 
 AfterOperation = Callable[[int, int, "Stock"], None]
@@ -75,7 +79,7 @@ def cut_program(
     after_operation: Callable[[int, Stock], None],
 ) -> ProgramCut:
     """Plan and cut one program; `left` is the stock that another one left, else it is the sheet's."""
-    from toolpace.cutting.simulation import set_up, simulate_cut
+    from toolpace.cutting.simulation import set_up
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     task = job.loaded(
@@ -100,14 +104,11 @@ def cut_program(
         set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
     with with_cure_of_zero(toolpath.assumed):
         planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
-    with steps.step("cutting") as step, warnings.catch_warnings():
+    with warnings.catch_warnings():
         # what the place of the stock asks has been asked before the plan
         warnings.simplefilter("ignore", UnitWarning)
-        simulation = simulate_cut(
-            planned.trajectory, toolpath, request.options.setup,
-            resolution=request.resolution, memory=request.memory, stock=left,
-            after_operation=after_operation, progress=step,
-        )  # fmt: skip
-        places = sum(len(each.stations) for each in simulation.stretches)
-        step.note = f"{places} stations, cells of {simulation.resolution * 1e3:g} mm"
-    return ProgramCut(program, toolpath, planned.trajectory, simulation)
+        simulation = job.cut_motion(
+            task, steps, planned.trajectory, toolpath, request.resolution, request.memory, 0.0, left, after_operation
+        )
+    text = task.source.data if task.source is not None else b""
+    return ProgramCut(program, toolpath, planned.trajectory, simulation, request.options.setup, text)

@@ -17,7 +17,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.jobs import TimedSteps
-from toolpace.jobs.cut import CutRequest, cut_program
+from toolpace.jobs.cut import CutRequest, ProgramCut, cut_program
 
 if TYPE_CHECKING:
     from toolpace.controls.export.cut_feeds import FeedProgram
@@ -39,11 +39,18 @@ class NewFeeds:
     controller: str
     """Empty for cutter-location data."""
     model: str
-    simulation: CutSimulation
+    cut: ProgramCut
+    """Of the program as it was."""
+    rules: FeedRules
     plan: FeedPlan
     written: FeedProgram
     before: ProgramTime
     after: ProgramTime
+
+    @property
+    def simulation(self) -> CutSimulation:
+        """What the program as it was cuts."""
+        return self.cut.simulation
 
 
 def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool, steps: TimedSteps) -> NewFeeds:
@@ -71,7 +78,7 @@ def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool,
     with steps.step("time after"):
         after = control_time(Source.from_bytes(written.data, source.name), request, options, figures)
     name = found.controller.name if found.controller is not None else ""
-    return NewFeeds(program, name, figures.model, cut.simulation, plan, written, before, after)
+    return NewFeeds(program, name, figures.model, cut, rules, plan, written, before, after)
 
 
 def control_time(
@@ -96,6 +103,8 @@ def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures
 
 def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
     """What `feeds --json` prints of a program."""
+    from toolpace.cutting.feeds.teaching import by_line
+
     scales = {"chip": ("chip_mm", 1e3), "removal_rate": ("removal_mm3_s", 1e9), "force": ("force_N", 1.0)}
     scales |= {"torque": ("torque_Nm", 1.0), "power": ("power_W", 1.0), "deflection": ("deflection_mm", 1e3)}
     largest: dict[str, dict[str, Mapping[str, float]]] = {}
@@ -124,13 +133,15 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
             {
                 "line": each.line, "operation": each.operation, "tool": each.tool,
                 "chip_mm": 1e3 * each.chip, "area_mm2": 1e6 * each.area, "edge_mm": 1e3 * each.edge,
+                "duration_s": each.seconds, "from": each.program,
             }
-            for each in found.plan.teachers
+            for each in by_line(found.plan.teachers)
         ],
         "overloads": [
             {"line": each.line, "tool": each.tool, "limit": each.limit, "share": each.share, "always": each.always}
             for each in found.plan.overloads
         ],
+        "kept": [{"reason": each.reason, "duration_s": each.seconds} for each in found.plan.kept],
         "notes": list(found.plan.notes),
     }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The inspection of a program on machines: which can follow it within their travels; and its JSON.
+"""The inspection of a program on machines: which can follow it within their travels; its JSON, and a set-up sheet.
 
 A smooth path swings about the points of the program: by a hundredth of a millimetre where the tool only moves, and by
 millimetres where it stands near the pole far out, since a table that turns a little there moves all of it. So what
@@ -18,7 +18,11 @@ from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.inspection import Inspection
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from toolpace.common.arrays import Bools
+    from toolpace.machine.machine import Machine
+    from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.reading.inspection import Candidate
     from toolpace.programs.toolpath import ToolPath
 
@@ -68,6 +72,30 @@ def _stretches(close: Bools) -> list[tuple[int, int]]:
     return [
         (max(int(points[head]) - AROUND, 0), min(int(points[end - 1]) + AROUND, last)) for head, end in zip(heads, ends)
     ]
+
+
+def sheet_to_fill_in(
+    found: Sequence[Inspection], machines: Sequence[Machine], present: Callable[[Machine | None], SetUp]
+) -> str:
+    """The text of a set-up sheet with all that programs use, on the machine that they were read for; `present` tells
+    what there is already, on a machine."""
+    from toolpace.programs.reading.findings import Used
+    from toolpace.programs.reading.setup_file import setup_sheet, with_program_figures
+
+    used = Used()
+    for each in found:
+        used.offsets |= each.used.offsets
+        used.references |= each.used.references
+        used.tools |= each.used.tools | dict.fromkeys(each.tools)
+        used.machine_zero |= each.used.machine_zero
+    names = [name for each in found for name in (each.read_on, *each.machines) if name]
+    machine = next((each for name in names for each in machines if each.name == name), None)
+    setup = present(machine)
+    for each in found:
+        setup = with_program_figures(setup, each.shapes, each.workpiece)
+    tips = [each.tip_at_feed for each in found if each.tip_at_feed is not None]
+    tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
+    return setup_sheet(", ".join(each.program for each in found), used, machine, setup, tip)
 
 
 def inspection_record(found: Inspection) -> dict[str, object]:

@@ -5,6 +5,7 @@ carry out a job:
   fit a path within tolerances           Path; with effort, again and again, as it may be passed the fastest
   plan the motion along it               Trajectory; where the tool bends, both again until the bending is compensated
   prove how close to the best it is      the same, with a higher lower bound; only where asked for
+  cut the stock of the set-up sheet      CutSimulation; only where the sheet names a stock
   sample it at equal times               SetPoints
   verify these by the program alone      Verification
   write all of it                        the folder
@@ -12,20 +13,24 @@ carry out a job:
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
+from toolpace.cutting.simulation import MEMORY
 from toolpace.jobs import TimedSteps
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from toolpace.cutting.compensated_program import BendingCompensation
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import Stock, StockRange
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
@@ -42,6 +47,8 @@ NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
 TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
 """Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
+CELL_FOR_TIMES = 0.2e-3
+"""Finest cell of a stock that is cut for the time in air and in material [m]: 10 ms at 1200 mm/min."""
 TIME_STEPS = (1e-9, 60.0)
 """Between which the time between set-points lies [s]."""
 
@@ -90,12 +97,14 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     # a curve may cut corners, so half of the time is what is sure
     refuse_without_room(job, 0.5 * toolpath.least_duration, "the feeds of the program alone take more than")
     with with_cure_of_zero(toolpath.assumed):
+        job = engaged_by_stock(job, steps, toolpath)
         compensation = compensated_for_bending(job, steps, toolpath)
         if compensation is None:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         else:
             planned = program_plan_of(compensation)
         trajectory = with_proof(job, steps, planned.trajectory)
+        cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
@@ -118,6 +127,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
+        cut=cut,
         step_s=dict(steps.seconds),
     )
     record = write_results(job, steps, result)
@@ -247,6 +257,29 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
     return compensation
 
 
+def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
+    """The job with the deflection of its tool by what it cuts of the stock, where the tool file leaves the engagement
+    to that. Raises UsageError where the set-up sheet names no stock, or lacks a figure of the tool."""
+    if job.tool is None or not job.tool.from_stock:
+        return job
+    from toolpace.common.errors import UsageError
+    from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
+
+    setup = job.options.setup
+    if setup.workpiece.stock is None:
+        raise UsageError(
+            f'{job.tool.source}: milling = "stock", and no set-up sheet names one; give it (--setup) with [stock], or '
+            "write the engagement"
+        )
+    stiff = replace(job, tool=None, effort="low")
+    trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
+    simulation = cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
+    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    with steps.step("forces"):
+        tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
+    return replace(job, tool=tool)
+
+
 def program_name(job: Job) -> str:
     """Of the program, for messages."""
     return job.source.name if job.source is not None else str(job.program)
@@ -278,6 +311,53 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
         if len(trajectory.notes) > NOTES:
             steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     return trajectory
+
+
+def cut_motion(
+    job: Job,
+    steps: TimedSteps,
+    trajectory: Trajectory,
+    toolpath: ToolPath,
+    resolution: float | None = None,
+    memory: float = MEMORY,
+    finest: float = 0.0,
+    stock: StockRange | None = None,
+    after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
+) -> CutSimulation:
+    """What a motion cuts of the stock on the set-up sheet, or of the `stock` that another program left. Raises
+    UsageError as `simulate_cut`."""
+    from toolpace.cutting.simulation import simulate_cut
+
+    with steps.step("cutting") as step:
+        simulation = simulate_cut(
+            trajectory, toolpath, job.options.setup, resolution=resolution, memory=memory, finest=finest, stock=stock,
+            after_operation=after_operation, progress=step,
+        )  # fmt: skip
+        places = sum(len(each.stations) for each in simulation.stretches)
+        step.note = f"{places} stations, cells of {simulation.resolution * 1e3:.3g} mm"
+    return simulation
+
+
+def cut_of_known_stock(
+    job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath
+) -> CutSimulation | None:
+    """What a motion cuts, where the set-up sheet names a stock; None where it does not."""
+    if job.options.setup.workpiece.stock is None:
+        return None
+    with without_cut(steps):
+        return cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
+    return None
+
+
+@contextmanager
+def without_cut(steps: TimedSteps) -> Iterator[None]:
+    """Go on where a set-up sheet tells too little for a cut, and say what: a time does not need it."""
+    from toolpace.common.errors import UsageError
+
+    try:
+        yield
+    except UsageError as error:
+        steps.say(f"air and material are not told apart: {error}")
 
 
 def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.jobs import TimedSteps, job
@@ -14,11 +17,18 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.controls.timing.uncertainty import TimeRange
+    from toolpace.cutting.simulation.simulate import CutSimulation
+    from toolpace.cutting.simulation.stock_range import StockRange
     from toolpace.machine.machine import Machine
-    from toolpace.motion.trajectory import OperationTime
+    from toolpace.motion.trajectory import OperationTime, Trajectory
+    from toolpace.programs.commanded import Commanded
     from toolpace.programs.reading import ReadOptions, Source
     from toolpace.programs.tolerances import Tolerances
+    from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.write.plan_json import CutRecord
 
+TURN_ARM = 0.05
+"""Way of a turning axis for its angle, where the points of one block share its time [m]."""
 KINDS = ("cutting", "rapid", "dwell", "tool_change")
 """What time goes to."""
 
@@ -40,6 +50,10 @@ class Timed:
     """[s], with the tool changes; None where it was not wanted."""
     optimum_likewise: float | None = None
     """The same with each limit as high as the control went; None where it exceeds none, or no motion is found."""
+    cut: CutRecord | None = None
+    """What the control cuts, where the set-up sheet names a stock and its tools."""
+    left: StockRange | None = None
+    """The stock that is left then."""
     assumed: tuple[str, ...] = ()
     program_tolerance: tuple[float, float] | None = None
     """The least and the widest tolerance of the tip that the program asks for [m]; None where it asks for none."""
@@ -62,16 +76,23 @@ class TimeRequest:
     optimum: bool
 
 
-def timed_or_wrong(program: str, request: TimeRequest, steps: TimedSteps) -> Timed:
-    """The time of one program, or what is wrong with it."""
+def timed_or_wrong(program: str, request: TimeRequest, steps: TimedSteps, stock: StockRange | None = None) -> Timed:
+    """The time of one program, or what is wrong with it; then the stock is left as it was."""
     try:
-        return timed(program, request, steps)
+        return timed(program, request, steps, stock=stock)
     except ToolpaceError as error:
-        return Timed(program, str(error))
+        return Timed(program, str(error), left=stock)
 
 
-def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source | None = None) -> Timed:
-    """The time of one program, which may have been loaded before.
+def timed(
+    program: str,
+    request: TimeRequest,
+    steps: TimedSteps,
+    source: Source | None = None,
+    stock: StockRange | None = None,
+) -> Timed:
+    """The time of one program, which may have been loaded before, and what it cuts of a stock: of the one that another
+    program left, else of that of the set-up sheet.
 
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
@@ -87,9 +108,11 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         with_range,
     )
     from toolpace.jobs.inspection import follow_as_planned
+    from toolpace.motion.trajectory import operation_times
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
     from toolpace.programs.reading.setup_file import with_cure_of_zero
+    from toolpace.results.write.plan_json import cut_sums
 
     source = source if source is not None else Source.load(program)
     options, found = with_controller(source, request.dialect, request.options)
@@ -101,7 +124,11 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
     planned = request.optimum or figures.model == "ideal"
     task = planned_job(source, replace(request, options=options), figures)
     best: tuple[OperationTime, ...] = ()
-    if planned and not waits_only:
+    toolpath: ToolPath | None = None
+    if figures.model == "ideal" and not waits_only:
+        trajectory, toolpath = fastest_motion(task, steps)
+        best = tuple(operation_times(trajectory, toolpath))
+    elif planned and not waits_only:
         best = optimum_of(task, steps)
     elif not waits_only:
         toolpath = job.read_program(task, steps)
@@ -113,6 +140,14 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         time = time_of_moves(moves, request.machine, figures, change)
         with steps.step("range"):
             time = with_range(time, moves, request.machine, figures)
+    cut: CutSimulation | None = None
+    if options.setup.workpiece.stock is not None and not waits_only:
+        toolpath = toolpath if toolpath is not None else job.read_program(task, steps)
+        with job.without_cut(steps):
+            if figures.model == "ideal":
+                cut = job.cut_motion(task, steps, trajectory, toolpath, finest=job.CELL_FOR_TIMES, stock=stock)
+            else:
+                cut = cut_on_control(task, steps, toolpath, times_of_points(toolpath, moves, time.times), stock)
     changes = time.sum("tool_change")
     likewise = None
     if best and time.exceeded:
@@ -134,6 +169,8 @@ def timed(program: str, request: TimeRequest, steps: TimedSteps, source: Source 
         best=best,
         optimum=time.total if planned and waits_only else least,
         optimum_likewise=likewise,
+        cut=None if cut is None else cut_sums(cut),
+        left=stock if cut is None else cut.left,
         assumed=findings.assumptions,
         program_tolerance=(float(tolerances.min()), float(tolerances.max())) if len(tolerances) else None,
         model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
@@ -153,16 +190,53 @@ def planned_job(source: Source, request: TimeRequest, figures: ControlFigures) -
     )  # fmt: skip
 
 
+def times_of_points(toolpath: ToolPath, moves: Commanded, times: Floats) -> Floats:
+    """(n,) when a control passes the points of a tool path [s], dwells left out, from the times of its moves.
+
+    The moves of a line in an operation are told as one time, which its points share by their ways.
+    """
+    import numpy as np
+
+    lines = int(max(toolpath.block.max(), moves.line.max())) + 1
+    key = 2 * (toolpath.operation * lines + toolpath.block) + toolpath.rapid
+    keys, which = np.unique(key, return_inverse=True)
+    own = 2 * (moves.operation * lines + moves.line) + moves.rapid
+    at = np.minimum(np.searchsorted(keys, own), len(keys) - 1)
+    of_key = np.bincount(at, np.where(keys[at] == own, times - moves.dwell, 0.0), len(keys))
+    turn = np.linalg.norm(np.diff(toolpath.axis, axis=0, prepend=toolpath.axis[:1]), axis=1)
+    way = toolpath.way_length + TURN_ARM * turn
+    whole = np.bincount(which, way, len(keys))[which]
+    found: Floats = np.cumsum(np.divide(of_key[which] * way, whole, out=np.zeros(len(way)), where=whole > 0.0))
+    return found
+
+
+def cut_on_control(
+    task: job.Job, steps: TimedSteps, toolpath: ToolPath, times: Floats, stock: StockRange | None
+) -> CutSimulation:
+    """What is cut along a program whose points are passed at `times` (n,) [s]. Raises UsageError."""
+    from toolpace.cutting.simulation import simulate_cut_at_times
+
+    with steps.step("cutting") as step:
+        return simulate_cut_at_times(
+            toolpath, times, task.machine, task.options.setup, finest=job.CELL_FOR_TIMES, stock=stock, progress=step
+        )
+
+
 def optimum_of(task: job.Job, steps: TimedSteps) -> tuple[OperationTime, ...]:
     """The parts of the fastest motion along the program. Raises ToolpaceError."""
     from toolpace.motion.trajectory import operation_times
+
+    return tuple(operation_times(*fastest_motion(task, steps)))
+
+
+def fastest_motion(task: job.Job, steps: TimedSteps) -> tuple[Trajectory, ToolPath]:
+    """The fastest motion along the program, and the program. Raises ToolpaceError."""
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     job.warm_up(steps)
     toolpath = job.read_program(task, steps)
     with with_cure_of_zero(toolpath.assumed):
-        trajectory = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory
-    return tuple(operation_times(trajectory, toolpath))
+        return job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory, toolpath
 
 
 def optimum_of_parts(found: Timed) -> list[float | None]:
@@ -202,6 +276,7 @@ def time_record(found: Timed, machine: str) -> dict[str, object]:
         }
         for part, least in zip(time.parts, optimum_of_parts(found))
     ]
+    entry["cut"] = None if found.cut is None else msgspec.to_builtins(found.cut)
     tolerances = found.program_tolerance
     entry["program_tolerance_mm"] = None if tolerances is None else [each / MILLIMETRE for each in tolerances]
     entry["exceeded"] = [

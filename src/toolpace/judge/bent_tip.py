@@ -72,11 +72,13 @@ class BentTool:
         """
         units = tolerances.min(axis=0)
         cuts, of_way = self.cuts()
-        tables = [
+        tables = [] if self.tool.engaged is not None else [
             ForceTable(cut, self.tool.force, OVER * self.largest_chip(cut, of_way == k)) for k, cut in enumerate(cuts)
         ]
         give = float(np.linalg.norm(self.tool.compliance, ord=2))
         most = give * max((float(np.linalg.norm(table.forces, axis=1).max()) for table in tables), default=0.0)
+        most = most if self.tool.engaged is None else self.most_engaged(of_way)
+        along = self.ways_of(line[:, :3] * units[0], owner)
         bent = tip
         for slack in (most, most / FINER):
             wide = np.array([units[0] + slack, units[1]])
@@ -89,7 +91,8 @@ class BentTool:
             place = found.there.place[motion.row]
             middle = np.floor(0.5 * (place[:-1] + place[1:])).astype(np.int64)
             way = of_way[owner[np.minimum(middle + 1, len(owner) - 1)]]
-            bent = tip + self.deflection(points, bent, axis, way, tables)
+            between = np.interp(0.5 * (place[:-1] + place[1:]), np.arange(len(along)), along)
+            bent = tip + self.deflection(points, bent, axis, way, tables, between)
         return bent
 
     def cuts(self) -> tuple[list[Cut], Ints]:
@@ -107,19 +110,39 @@ class BentTool:
             cuts.append(cut)
         return cuts, of_way
 
+    def most_engaged(self, of_way: Ints) -> float:
+        """The most that the tool can bend in its engagement at the feeds of the program [m]."""
+        assert self.tool.engaged is not None
+        most = self.largest_speed((of_way >= 0).astype(float)) * OVER
+        slope, constant = self.tool.engaged.slope, self.tool.engaged.constant
+        size = np.maximum(np.abs(constant), np.abs(most * slope + constant))
+        return float(np.sqrt((size**2).sum(axis=1)).max())
+
+    def ways_of(self, tips: Floats, owner: Ints) -> Floats:
+        """(m,) way of the tip along the program up to places of it (m, 3) on the ways to the points `owner` [m]."""
+        whole = np.cumsum(np.sqrt(((self.toolpath.tip - way_begins(self.toolpath)) ** 2).sum(axis=1)))
+        found: Floats = whole[owner] - np.sqrt(((self.toolpath.tip[owner] - tips) ** 2).sum(axis=1))
+        return np.maximum.accumulate(found)
+
     def largest_chip(self, cut: Cut, ways: Floats) -> float:
         """The largest feed per tooth that the program asks for on some ways (n,) [m]."""
+        return self.largest_speed(ways) / (cut.cutter.teeth * cut.spindle_speed)
+
+    def largest_speed(self, ways: Floats) -> float:
+        """The largest speed that it asks for there [m/s]."""
         program = self.toolpath
         length = np.sqrt(((program.tip - way_begins(program)) ** 2).sum(axis=1))
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.minimum(program.feed, np.where(program.least_time > 0.0, length / program.least_time, np.inf))
         speed = speed[ways.astype(bool) & np.isfinite(speed)]
-        return float(speed.max(initial=0.0)) / (cut.cutter.teeth * cut.spindle_speed)
+        return float(speed.max(initial=0.0))
 
     def deflection(
-        self, points: SetPoints, bent: Floats, axis: Floats, way: Ints, tables: list[ForceTable]
-    ) -> Floats:
-        """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`; blended."""
+        self, points: SetPoints, bent: Floats, axis: Floats, way: Ints, tables: list[ForceTable],
+        between: Floats,
+    ) -> Floats:  # fmt: skip
+        """(n, 3) [m] at each set-point, where the steps (n - 1,) are of the cuts `way`, and so far along the
+        program as `between` (n - 1,) [m]; blended."""
         step = ways(points.tool_length, bent, axis, 0, len(points) - 1)
         turn = tool_in_workpiece(self.machine, 0.5 * (points.q[:-1] + points.q[1:]))
         spindle = turn[:, :, 2]
@@ -139,6 +162,16 @@ class BentTool:
             whole = force[:, :1] * ahead + force[:, 1:2] * left + force[:, 2:] * spindle[on]
             in_tool = np.einsum("nba,nb->na", turn[on], whole) @ self.tool.compliance
             give[on] = np.einsum("nab,nb->na", turn[on], in_tool)
+        if self.tool.engaged is not None:
+            law, on = self.tool.engaged, np.flatnonzero((way >= 0) & (sine > SINES[0]))
+            ahead = across[on] / length[on, None]
+            axes = np.stack([ahead, np.cross(spindle[on], ahead), spindle[on]], axis=1)
+            speed = whole_length[on] / steps[on]
+            part = np.minimum((sine[on] - SINES[0]) / (SINES[1] - SINES[0]), 1.0)
+            for k in range(3):
+                size = np.interp(between[on], law.way, law.slope[:, k]) * speed
+                size += np.interp(between[on], law.way, law.constant[:, k])
+                give[on] += (part * size)[:, None] * axes[:, k]
         way_of_tip = np.concatenate(([0.0], np.cumsum(whole_length)))
         return blended(way_of_tip, give, self.tool.blend)
 

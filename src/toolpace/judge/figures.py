@@ -36,6 +36,8 @@ SAME_BENDING = 2e-6
 """Difference of the most that a tool bends, worked out in two ways [m]."""
 MOST_CHANGE, MOST_ROUNDS = 1.0, 100
 """Of bending that converged [um], and rounds that it took."""
+CUT_TIME, CUT_VOLUME = 1e-3, 1e-3
+"""Of a cut: by how much its times may exceed the time at feed [s]; share of the stock that may go amiss."""
 EFFORTS = ("low", "normal", "high")
 DEFAULT_TIP_MM, DEFAULT_AXIS_DEG = 0.01, 0.05
 """Tolerances that are taken where none are given; wider ones are pointed out."""
@@ -52,6 +54,7 @@ IN_THE_VERDICT = (
 AS_SAID = (
     "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
     "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
+    "cut",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
 ROUNDING = 2e-14
@@ -90,7 +93,7 @@ class Figures:
         usage = UsageFigures(self.said, self.points, self.machine, self.toolpath, self.feed_use, dt)
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
         found += self.of_reading() + self.of_bending() + self.of_rounds()
-        found += self.of_tolerances()
+        found += self.of_tolerances() + self.of_cut()
         return found + self.of_deviations() + usage.of_shares() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
@@ -195,6 +198,23 @@ class Figures:
         change, rounds = float(said["change_um"]), int(said["rounds"])
         near = 0.0 <= change <= MOST_CHANGE and 0 <= rounds <= MOST_ROUNDS
         return [check, wrong("bending change_um, rounds", f"{change:.3g} um, {rounds}", near)]
+
+    def of_cut(self) -> list[Check]:
+        """Times in air and in material: those of the operations sum up to them, and they to the time at feed at most;
+        what is removed and what is left to the stock."""
+        said = self.said["cut"]
+        if said is None:
+            return []
+        times = [float(said[key]) for key in ("air_s", "cutting_s", "uncertain_s")]
+        parts = [sum(float(each[key]) for each in said["operations"]) for key in ("air_s", "cutting_s", "uncertain_s")]
+        stock, removed, left = (float(said[key]) for key in ("stock_mm3", "removed_mm3", "left_mm3"))
+        cells = min(float(said["resolution_mm"]), float(said["collisions"]) + 1.0)
+        ok = all(abs(whole - part) <= SAME * (1.0 + whole) for whole, part in zip(times, parts))
+        ok &= min(*times, stock, removed, left, float(said["uncertainty_mm"])) >= 0.0 < cells
+        ok &= sum(times) <= float(self.said["cutting_s"] or 0.0) + SAME * (1.0 + sum(times)) + CUT_TIME
+        ok &= abs(removed + left - stock) <= CUT_VOLUME * stock
+        shown = f"air {times[0]:.6g} s, material {times[1]:.6g} s, {removed:.6g} mm3 of {stock:.6g} mm3"
+        return [wrong("cut", shown, ok)]
 
     def of_rounds(self) -> list[Check]:
         """The rounds of fit and pace: times that can be, kept where they are the least so far; and shares."""

@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
+import numpy as np
+
 from toolpace.common.arrays import Floats, frozen, number, numbers
 from toolpace.common.errors import UsageError, did_you_mean
 from toolpace.common.units import METRES, WIDEST_TOOL, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
 
-Milling = Literal["up", "down", "slot"]
+Milling = Literal["up", "down", "slot", "stock"]
 MILLINGS: tuple[Milling, ...] = get_args(Milling)
 OTHER_WORDS: dict[str, Milling] = {
     "climb": "down", "down-cut": "down", "conventional": "up", "up-cut": "up", "slotting": "slot", "full": "slot",
@@ -67,11 +69,36 @@ class Engagement:
     """What of the tool is in the material."""
 
     milling: Milling
-    """`up`: chips begin at nothing (conventional). `down`: they end at nothing (climb). `slot`: the full width."""
-    axial_depth: float
+    """`up`: chips begin at nothing (conventional). `down`: they end at nothing (climb). `slot`: the full width.
+    `stock`: what the stock of the set-up sheet makes of it, place by place; then both depths are of no use."""
+    axial_depth: float = math.inf
     """[m]"""
     radial_depth: float = math.inf
     """[m]; of a slot it is the diameter."""
+
+
+@dataclass(frozen=True, eq=False)
+class EngagedDeflection:
+    """By how much the place of the tool that makes the surface gives way along a program, by what it cuts of a stock.
+
+    At the speed v of the tip it is slope * v + constant, straight between the places.
+    """
+
+    way: Floats
+    """(k,) ascending way of the tip along the program [m]."""
+    slope: Floats
+    """(k, 3) along the feed across the tool axis, the normal on its left, and the tool axis [s]."""
+    constant: Floats
+    """(k, 3) the same at a speed of nothing [m]."""
+
+    def __post_init__(self) -> None:
+        way = numbers(self.way, "engaged deflection: way", ("k",), unit="m")
+        if not len(way) or (np.diff(way) < 0.0).any():
+            raise UsageError("engaged deflection: way must have a place at least, and must ascend")
+        for name in ("slope", "constant"):
+            value = numbers(getattr(self, name), f"engaged deflection: {name}", (len(way), 3))
+            object.__setattr__(self, name, frozen(value))
+        object.__setattr__(self, "way", frozen(way))
 
 
 @dataclass(frozen=True)
@@ -93,13 +120,12 @@ class Cut:
             other = OTHER_WORDS.get(word.strip().lower().split(" ")[0])
             hint = f"did you mean '{other}'?" if other else did_you_mean(word, MILLINGS)
             raise UsageError(f"milling '{word[:40]}' is not known; {hint}")
-        for name, value in (
-            ("diameter", cutter.diameter),
-            ("teeth", cutter.teeth),
-            ("spindle_speed", self.spindle_speed),
-            ("axial_depth", self.engagement.axial_depth),
-            ("radial_depth", self.width),
-        ):
+        figures: dict[str, float] = {
+            "diameter": cutter.diameter, "teeth": cutter.teeth, "spindle_speed": self.spindle_speed
+        }  # fmt: skip
+        if milling != "stock":
+            figures |= {"axial_depth": self.engagement.axial_depth, "radial_depth": self.width}
+        for name, value in figures.items():
             number(value, f"cut: {name}", least=0.0, above=True)
         refuse_other_unit(cutter.diameter, WIDEST_TOOL, "cut: diameter", METRES)
         refuse_other_unit(self.engagement.axial_depth, WIDEST_TOOL, "cut: axial_depth", METRES)
@@ -126,8 +152,8 @@ class Cut:
     @property
     def width(self) -> float:
         """Radial depth [m]."""
-        slot = self.engagement.milling == "slot"
-        return self.cutter.diameter if slot else self.engagement.radial_depth
+        whole = self.engagement.milling in ("slot", "stock")
+        return self.cutter.diameter if whole else self.engagement.radial_depth
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,6 +172,10 @@ class CuttingTool(ByValue):
     """The operations, by name, that have a cut of their own; None: nothing is cut there."""
     only: tuple[str, ...] = ()
     """The tools of the program that this is; all of them where there is none. Others do not bend."""
+    youngs_modulus: float | None = None
+    """Of a tool that bends as a bar [Pa]; None where its stiffness is told otherwise."""
+    engaged: EngagedDeflection | None = None
+    """Where the engagement is that of a stock: what comes of it along the program."""
     source: str = field(default="tool", compare=False)
     """The file, for messages."""
     data: bytes = field(default=b"", compare=False)
@@ -158,6 +188,11 @@ class CuttingTool(ByValue):
         if self.force not in FORCES:
             raise UsageError(f"{self.source}: force '{self.force}' is not known; {did_you_mean(self.force, FORCES)}")
         number(self.blend, f"{self.source}: blend, a length like the diameter,", least=0.0, above=True, unit="m")
+
+    @property
+    def from_stock(self) -> bool:
+        """Whether its engagement is what a stock makes of it."""
+        return self.cut.engagement.milling == "stock"
 
     def __repr__(self) -> str:
         cutter = self.cut.cutter

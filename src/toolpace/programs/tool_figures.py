@@ -10,7 +10,7 @@ from typing import Literal, get_args
 from toolpace.common.errors import UsageError
 from toolpace.common.units import DEGREE, LONGEST_TOOL, WIDEST_TOOL
 
-ToolKind = Literal["flat", "bull", "ball", "taper", "barrel", "drill", "chamfer", "face"]
+ToolKind = Literal["flat", "bull", "ball", "taper", "barrel", "lens", "drill", "chamfer", "face"]
 KINDS: tuple[ToolKind, ...] = get_args(ToolKind)
 MOST_TEETH = 100
 """Of a cutter: more is a slip."""
@@ -46,13 +46,14 @@ class ToolFigures:
     """Of the cutting part where it is widest; of `taper` and `chamfer` at the lower end of the cone where `taper` is
     above zero [m]."""
     corner_radius: float = 0.0
-    """Of `bull` and `face`; of the tip of `barrel` and `taper`; of `ball` half of the diameter, given or not [m]."""
+    """Of `bull` and `face`; of the tip of `barrel` and `taper`; of `lens` between end and side; of `ball` half of the
+    diameter, given or not [m]."""
     taper: float = 0.0
     """Angle between the cone's side and the axis [rad], of `taper`, `chamfer` and tapered balls."""
     point_angle: float = 0.0
     """Full angle of the point of `drill` and `chamfer` [rad]; 0: none, the tip is flat."""
     barrel_radius: float = math.inf
-    """Of the arc of the side of `barrel` (also of a lens at its end) [m]."""
+    """Of the arc of the side of `barrel`, or of the end of `lens`, which is about the axis [m]."""
     flute_length: float | None = None
     """How far from the tip the edge reaches [m]; None: to the end of what sticks out."""
     teeth: int | None = None
@@ -194,13 +195,14 @@ def _of_the_cutting_part(tool: ToolFigures) -> Iterator[str]:
             "a chamfer mill has one of point_angle (full angle of its point; diameter is the widest) and taper (angle "
             "between its side and its axis; diameter is that of its flat end): give one of both"
         )
-    if math.isfinite(tool.barrel_radius) != (kind == "barrel"):
+    if math.isfinite(tool.barrel_radius) != (kind in ("barrel", "lens")):
+        part = {"barrel": "the side of a barrel mill", "lens": "the end of a lens mill"}.get(kind)
         yield (
-            'the side of a barrel mill is an arc: give barrel_radius, or write kind = "flat"'
-            if kind == "barrel"
-            else f'barrel_radius on kind = "{kind}": remove it, or write kind = "barrel"'
+            f'{part} is an arc: give barrel_radius, or write kind = "flat"'
+            if part is not None
+            else f'barrel_radius on kind = "{kind}": remove it, or write kind = "barrel" or "lens"'
         )
-    elif kind == "barrel" and tool.barrel_radius < half:
+    elif kind in ("barrel", "lens") and tool.barrel_radius < half:
         yield (
             f"barrel_radius of {_mm(tool.barrel_radius)} is less than half of the diameter of {_mm(tool.diameter)}: "
             "correct one"

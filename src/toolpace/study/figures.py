@@ -165,7 +165,7 @@ def feeds(
         number, f"Feed rate and du/dt {title}",
         ((Panel("feed rate", clock, "feed rate [mm/s]", tuple(feed), limit=1e3 * FEED, shown=shown),),
          (Panel("du/dt", clock, "du/dt [1/s]", tuple(rate), shown=shown),)),
-        "" if shown is None else "The lines break where the tool is found deflected; zoom out for the whole.",
+        "" if shown is None else "The lines break where the tool is found deflected.",
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from toolpace.results.report.shell import with_policy
-from toolpace.study.drawings import Figure, as_html
+from toolpace.study.drawings import Figure, figure_svg
 from toolpace.study.simulation import Study
 from toolpace.study.sketches import Sketch
 from toolpace.study.tables import CHOICES, Table, all_errata, comparison, periods_table, times_table, ways_table
@@ -21,6 +21,7 @@ h1 { font-size: 26px; margin: 0; letter-spacing: -0.02em; } h2 { font-size: 17px
 p { margin: 4px 0 10px; color: var(--soft); max-width: 90ch; }
 section { background: #fff; border: 1px solid var(--line); border-radius: 12px; padding: 18px 20px; margin: 16px 0; }
 .scroll { overflow-x: auto; }
+svg { max-width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 13.5px; }
 th { text-align: left; color: var(--soft); font-weight: 500; border-bottom: 1px solid var(--line); }
 th, td { padding: 6px 10px; vertical-align: top; } td { border-bottom: 1px solid #eff2f6; }
@@ -66,13 +67,11 @@ TIMES_LEAD = (
 
 
 def study_page(study: Study, sketches: Sequence[Sketch], figures: Sequence[Figure]) -> str:
-    """The whole page; about 5 MB of it are plotly.js."""
-    from plotly.offline import get_plotlyjs
-
+    """The whole page."""
     parts = [
         "<!doctype html><html lang='en'><head><meta charset=\"utf-8\">"
         "<meta name='viewport' content='width=device-width, initial-scale=1'><link rel='icon' href='data:,'>"
-        f"<title>The paper's study</title><style>{STYLE}</style><script>{get_plotlyjs()}</script></head><body><main>"
+        f"<title>The paper's study</title><style>{STYLE}</style></head><body><main>"
         "<h1>Local minimum time, without and with deflection</h1>"
         "<p>The simulation study (section III) of Wu, Li, Liu and Perez, American Control Conference 2009, doi"
         " 10.1109/ACC.2009.5160578, done anew by <code>toolpace study</code>.</p>",
@@ -106,8 +105,9 @@ def table(content: Table) -> str:
 
 
 def figure_section(figure: Figure) -> str:
-    """A figure as an interactive drawing."""
-    return section(f"Figure {figure.number}. {figure.title}", figure.caption, as_html(figure))
+    """A figure, drawn where it stands."""
+    drawn = f'<div class="scroll" id="figure-{figure.number}">{figure_svg(figure)}</div>'
+    return section(f"Figure {figure.number}. {figure.title}", figure.caption, drawn)
 
 
 def sketch_section(sketch: Sketch) -> str:

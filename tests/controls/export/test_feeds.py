@@ -8,13 +8,15 @@ import pytest
 from testbed.one_program.generate import generate
 from testbed.one_program.run import WRITERS, controller, machine, set_up
 from testbed.one_program.writer import CannotWriteError
+from tests.support.feed_programs import EXTRAS, MODES, SHEET, feed_program
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.feed_words import Cldata, Klartext, Sinumerik, WordAddress
-from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, strays
+from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, settled, strays
 from toolpace.controls.export.rewriting import Passes, ProgramText, figure, rounding
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import Controller, ReadOptions, Source, read_source
 from toolpace.programs.reading.languages import with_controller
+from toolpace.programs.reading.setup_file import setup_of_text
 
 DIALECTS = [name for name in WRITERS if name != "cldata"]
 
@@ -29,10 +31,9 @@ def rewritten(source, on, options, inverse=False, seed=0):
     planned = np.where(np.isfinite(asked) & (asked > 0.0), asked, 0.01) * factor
     job = Job.beside(source, on, None, options, toolpath, planned, inverse)
     feeds = job.feeds({})
-    new = job.rewriting.write(feeds, {})
-    again = job.read(new)
+    job, new, again = settled(job, lambda job: job.rewriting.write({k: feeds[k] for k in job.lines}, {}))
     assert not strays(job, new, again).any() and largest_change_of_kept(job, new, again) < 1e-9
-    decimals = job.rewriting.words.decimals
+    feeds, decimals = {line: feeds[line] for line in job.lines}, job.rewriting.words.decimals
     for line, times in new.times(again).items():
         allowed = 1e-9 + 1.001 * rounding(float(feeds[line][0]), decimals)
         assert abs(times[0] / planned[job.lines[line]] - 1.0) <= allowed
@@ -72,6 +73,28 @@ def test_hundreds_of_programs_read_back(dialect):
     assert tried(dialect, range(1000, 1200)) > 500
 
 
+MODE_CASES = [(dialect, mode) for dialect, modes in MODES.items() for mode in (*modes, "mixed")]
+
+
+def tried_mode(dialect, mode, seed):
+    """How many blocks of a random program whose feeds have a mode got a feed."""
+    text = feed_program(dialect, mode, seed % 2 == 0, seed % 4 < 2, EXTRAS, seed)
+    source = Source.from_bytes(text.encode(), "part.apt" if dialect == "cldata" else "part.nc")
+    named = None if dialect == "cldata" else Controller.load(dialect)
+    return rewritten(source, machine("xyzac-trunnion"), ReadOptions(controller=named, setup=setup_of_text(SHEET)))
+
+
+@pytest.mark.parametrize("dialect, mode", MODE_CASES)
+def test_each_mode_of_feed_reads_back_with_its_new_feeds(dialect, mode):
+    assert tried_mode(dialect, mode, MODE_CASES.index((dialect, mode))) >= 5
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("dialect, mode", MODE_CASES)
+def test_each_mode_of_feed_reads_back_in_many_programs(dialect, mode):
+    assert all(tried_mode(dialect, mode, seed) >= 3 for seed in range(1000, 1016))
+
+
 CLDATA = """\
 PARTNO/TEST
 UNITS/MM
@@ -108,7 +131,9 @@ WORDS = {
     "Klartext, before M": (Klartext(), "7 L X+1 R0 M3 ; F1", "7 L X+1 R0 F99 M3 ; F1"),
     "Klartext, of M128": (Klartext(), "L X+1 F AUTO M128 F1000", "L X+1 F99 M128 F1000"),
     "Klartext, a parameter": (Klartext(), "L X+1 FQ5 R0", "L X+1 F99 R0"),
-    "Klartext, a tooth": (Klartext(), "L X+1 FZ 0.1", "L X+1 F99"),
+    "Klartext, a tooth": (Klartext(), "L X+1 FZ 0.1", "L X+1 FZ99"),
+    "Sinumerik, a tooth": (Sinumerik(), "G1 X1 FZ=0.1 M8", "G1 X1 FZ=99 M8"),
+    "Sinumerik, one block": (Sinumerik(), "X1 FB=R5", "X1 FB=99"),
 }
 
 
@@ -179,8 +204,8 @@ def test_a_text_is_written_as_it_was(data):
 @pytest.mark.parametrize(
     "value, decimals, right",
     [
-        (1234.5678, 4, "1234.57"), (0.000012, 4, "0.0001"), (900.0, 3, "900"), (1e6, 4, "1000000"),
-        (123456.7, 4, "123457"),
+        (1234.5678, 4, "1234.57"), (0.000012, 4, "0.000012"), (0.0123456, 3, "0.0123"), (900.0, 3, "900"),
+        (1e6, 4, "1000000"), (123456.7, 4, "123457"),
     ],
 )  # fmt: skip
 def test_feeds_have_six_figures(value, decimals, right):

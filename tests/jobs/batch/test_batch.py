@@ -8,14 +8,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import msgspec
 import pytest
 
 import toolpace as tp
 from toolpace.cli import demo_programs, main
 from toolpace.common.errors import UsageError
 from toolpace.jobs.batch import estimate
-from toolpace.jobs.batch.folder import batch_folder
-from toolpace.jobs.batch.job import BatchJob, Loader
+from toolpace.jobs.batch.folder import batch_folder, batch_page
+from toolpace.jobs.batch.job import BatchJob, BatchRow, Loader
 
 MACHINE = "xyzac-trunnion"
 BAD = "G21 G90 G54\nG43.4 H1\nG1 X1 Y2 F100\nG900 X4\nM30\n"
@@ -70,6 +71,16 @@ def test_the_tables_have_a_row_a_job(done):
     assert page.count("<tr>") == 1 + len(rows) and "Content-Security-Policy" in page
     for row in rows:
         assert f'href="{row["folder"]}/plan.json"' in page or not row["folder"]
+
+
+def test_rows_lead_to_what_is_there(done, tmp_path):
+    out, _ = done
+    rows = [msgspec.convert(row, BatchRow) for row in table(out).values()]
+    assert "<a href=" not in batch_page(tmp_path, rows)
+    there = next(row.folder for row in rows if row.folder)
+    (tmp_path / there).mkdir()
+    (tmp_path / there / "plan.json").touch()
+    assert batch_page(tmp_path, rows).count("<a href=") == 1
 
 
 def test_the_same_command_again_does_only_what_is_not_done(done, parts):

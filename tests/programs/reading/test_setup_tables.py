@@ -105,6 +105,7 @@ def random_tool(r: np.random.Generator) -> ToolFigures:
         "face": {"corner_radius": diameter * r.uniform(0.0, 0.1)},
         "taper": {"taper": r.uniform(0.01, 1.0), "corner_radius": diameter * r.uniform(0.0, 0.5)},
         "barrel": {"barrel_radius": diameter * r.uniform(0.6, 20)},
+        "lens": {"barrel_radius": diameter * r.uniform(0.6, 20), "corner_radius": diameter * r.uniform(0.0, 0.5)},
         "drill": {"point_angle": r.choice([0.0, 2.0, 2.4])},
         "chamfer": {"point_angle": r.uniform(0.5, 2.5)},
     }.get(kind, {})
@@ -173,6 +174,7 @@ def test_a_sheet_is_written_so_that_it_reads_as_the_same_to_the_last_digit():
         ('kind = "taper"\ndiameter = 12', ["give taper"]),
         ('kind = "flat"\ndiameter = 12\ntaper = 3', ["taper on", 'kind = "taper"']),
         ('kind = "barrel"\ndiameter = 12', ["give barrel_radius"]),
+        ('kind = "lens"\ndiameter = 12', ["the end of a lens mill is an arc", "give barrel_radius"]),
         ('kind = "barrel"\ndiameter = 12\nbarrel_radius = 5', ["barrel_radius of 5 mm", "12 mm"]),
         ('kind = "chamfer"\ndiameter = 12', ["point_angle", "taper", "one of both"]),
         ('kind = "chamfer"\ndiameter = 12\npoint_angle = 90\ntaper = 45', ["one of both"]),

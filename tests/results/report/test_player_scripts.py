@@ -14,7 +14,8 @@ from toolpace.machine.machine import Machine
 from toolpace.results.report import report
 from toolpace.results.report.keyframes import TICK, keyframes
 from toolpace.results.report.machine_view import machine_view
-from toolpace.results.report.player_data import program_text
+from toolpace.results.report.packed_arrays import PackedArrays
+from toolpace.results.report.player_data import page_json, program_text
 
 TRAJECTORY, PROGRAM = motions.Trajectory(), motions.program()
 LISTS = "const found = costTables(player); return found;"
@@ -146,3 +147,8 @@ def test_a_name_that_is_no_text_is_written_out(tmp_path):
 def test_lines_of_a_program_are_those_that_its_reader_counts():
     text = program_text("A\fB\u2028C\r\nD\rE\n".encode())
     assert text is not None and text.decode().split("\n") == ["A\\x0cB\\u2028C", "D", "E", ""]
+
+
+def test_names_in_the_data_cannot_end_it():
+    text = page_json({"name": "</script><b>"}, PackedArrays())
+    assert "<" not in text and json.loads(text)["name"] == "</script><b>"

@@ -211,7 +211,7 @@ def batch_command(
         toolpace batch parts/ --what inspect
         toolpace batch parts/ -m my-mill.toml --what export --to table
     """
-    from toolpace.cli.commands.batch_progress import run_jobs
+    from toolpace.cli.batch_progress import run_jobs
 
     client = where.client()
     request = BatchRequest(programs, machine, what, to, each, files, reading)

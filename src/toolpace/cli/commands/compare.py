@@ -1,4 +1,4 @@
-"""The command `compare`: plans side by side on the terminal, and a page with their speed over the path."""
+"""The command `compare`: plans side by side on the terminal, and a page that plays them together."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 
 if TYPE_CHECKING:
-    from toolpace.results.compare import Compared
+    from toolpace.results.compare.plans import Compared
 
 Plans = Annotated[list[str], Parameter(help="Two to eight folders that `toolpace plan` wrote.")]
 Page = Annotated[
-    str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) with the tables and the speeds.")
+    str | None, Parameter(name=["--page", "-p"], help="Write a page (.html) that plays the plans together.")
 ]
 SHOWN = 20
 """Most operations, and limits, that are listed; the page has all."""
@@ -27,9 +27,11 @@ LEAST = 0.005
 
 
 def compare_command(plans: Plans, /, *, page: Page = None) -> int:
-    """Show plans side by side: times by operation and by limit, and on a page their speed over the path.
+    """Show plans side by side: times by operation and by limit, and a page that plays them together.
 
-    The figures are those in the folders; nothing is verified again.
+    The page has the tools on one time, the time gained over the path against the
+    first plan, and the blocks that differ most. The figures are those in the
+    folders; nothing is verified again.
 
     For example:
 
@@ -39,7 +41,8 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
     from toolpace.cli import arguments
     from toolpace.cli.summary import limit_in_words
     from toolpace.common.files import write_text
-    from toolpace.results.compare import compared, comparison_page
+    from toolpace.results.compare.page import comparison_page
+    from toolpace.results.compare.plans import compared
 
     target = arguments.file_for_result("--page", page)
     console = new_console()
@@ -59,7 +62,7 @@ def compare_command(plans: Plans, /, *, page: Page = None) -> int:
 
 
 def _show_plans(console: Console, found: Compared) -> None:
-    from toolpace.results.compare import said_verdict
+    from toolpace.results.compare.plans import verdict_words
     from toolpace.results.report.words import at_most
 
     headings = ("plan", "program", "machine", "time", "against the first", "gap", "verdict")
@@ -73,7 +76,7 @@ def _show_plans(console: Console, found: Compared) -> None:
             format_time(record.duration_s),
             f"{100.0 * (record.duration_s / first - 1.0):+.2f} %" if number and first > 0.0 else "",
             at_most(record.gap) if record.gap is not None else "-",
-            said_verdict(record),
+            verdict_words(record),
         )
         table.add_row(*(Text(printable(cell), style="red" if cell == "failed" else "") for cell in words))
     console.print(table)

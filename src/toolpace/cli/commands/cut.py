@@ -179,6 +179,10 @@ def _show_figures(console: Console, found: ProgramCut, machine: str) -> None:
     stock = f"{_volume(simulation.stock_volume)}, removed {_volume(simulation.removed_volume)}"
     rows.append(("" if simulation.guessed else "stock", f"{stock}, left {_volume(simulation.left_volume)}"))
     rows.append(("in air", air))
+    if simulation.above_part is not None:
+        above = simulation.above_part
+        high = f"at most {format_length(round(above.height, 6))} high, {_volume(above.volume)}"
+        rows.append(("left", f"{high}, above the finished part"))
     cells_of = f"cells of {format_length(simulation.resolution)}"
     if simulation.uncertainty > 0.0:
         cells_of += f"; the stock ends within {format_length(simulation.uncertainty)} of where the sheet says"
@@ -193,7 +197,7 @@ def show_findings(console: Console, simulation: CutSimulation) -> None:
     """What is wrong, the worst first, and what could not be seen."""
     from toolpace.common.value_objects import counted
 
-    listed = [each for each in simulation.findings if each.collision or each.seconds >= WORTH]
+    listed = [each for each in simulation.findings if each.kind != "air" or each.seconds >= WORTH]
     for each in listed[:SHOWN]:
         style = "bold red" if each.collision and each.certain else "red" if each.collision else ""
         console.print(Text(printable(finding_in_words(each)), style=style), soft_wrap=True)
@@ -214,6 +218,7 @@ def finding_in_words(each: Finding) -> str:
         "shank": "shank in {body}",
         "gouge": "cuts into {body}",
         "flute": "cuts above its flutes",
+        "left": "left above {body}",
         "air": "cuts nothing",
     }[each.kind].format(body=each.body)
     line = f"line {each.line}" if each.line == each.last_line else f"lines {each.line} to {each.last_line}"
@@ -221,6 +226,11 @@ def finding_in_words(each: Finding) -> str:
     place = " ".join(f"{letter}{x / MILLIMETRE:.3g}" for letter, x in zip("XYZ", each.place))
     if each.kind == "air":
         return f"{line}: {words} at feed, {format_time(each.seconds)}" + (f" ({by})" if by else "")
+    if each.kind == "left":
+        may = "" if each.certain else "may be "
+        return f"near {line}: {may}{words}, {format_length(round(each.depth, 5))} high at {place}" + (
+            f" ({by})" if by else ""
+        )
     may = "" if each.certain else "may be: "
     depth = format_length(round(each.depth, 5))
     return f"{line}: {may}{words}, {depth} deep at {place}" + (f" ({by})" if by else "")

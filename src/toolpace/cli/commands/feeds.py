@@ -56,6 +56,9 @@ Limits = Annotated[
 Out = Annotated[
     str | None, Parameter(name=["--out", "-o"], help="File for the program with new feeds; never the input.")
 ]
+Report = Annotated[
+    str | None, Parameter(help="File for a page (x.html): feed and loads before and after over time, by operation.")
+]
 
 
 @Parameter(name="*")
@@ -86,6 +89,20 @@ class Allowed:
     finishing: Annotated[
         bool, Parameter(negative=(), help="Raise feeds, too, where the tool makes a surface that stays.")
     ] = False
+    teacher: Annotated[
+        list[str] | None,
+        Parameter(
+            help="Folder of another program's teachers (--save-teachers), of the same shop and material: a tool with "
+            "the same name, figures and spindle speed may be loaded as there. Repeat it.",
+            negative=(), consume_multiple=False,
+        ),
+    ] = None
+    without_teacher: Annotated[
+        list[str] | None,
+        Parameter(
+            help="Operation, or line, that teaches nothing. Repeat it.", negative=(), consume_multiple=False
+        ),
+    ] = None
     leave: Annotated[
         list[str] | None,
         Parameter(help="Operation whose feeds stay, by name. Repeat it.", negative=(), consume_multiple=False),
@@ -95,11 +112,14 @@ class Allowed:
         """The same, checked. Raises UsageError."""
         from toolpace.cutting.feeds.rules import FeedRules
         from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+        from toolpace.cutting.feeds.teaching import load_teachers
 
         most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
         limits = cut_limits([*(self.limit or []), *most])
         if self.feeds == "limits" and not limits:
             raise UsageError("--feeds limits: no limit is given; add one, such as --limit chip=0.08mm")
+        if (self.teacher or self.without_teacher) and self.feeds != "learned":
+            raise UsageError(f"--teacher and --without-teacher go with --feeds learned; the feeds are '{self.feeds}'")
         if limits and self.feeds != "limits":
             raise UsageError(f"--limit goes with --feeds limits, and the feeds are '{self.feeds}'")
         return FeedRules(
@@ -112,6 +132,8 @@ class Allowed:
             lower=self.lower,
             finishing=self.finishing,
             left_alone=frozenset(self.leave or []),
+            not_teaching=frozenset(self.without_teacher or []),
+            teachers=tuple(each for folder in self.teacher or [] for each in load_teachers(folder)),
         )
 
 
@@ -126,6 +148,10 @@ def feeds_command(
     allowed: Allowed = AS_IN_AIR,
     whole_blocks: Annotated[bool, Parameter(negative=(), help="Divide no block.")] = False,
     out: Out = None,
+    report: Report = None,
+    save_teachers: Annotated[
+        str | None, Parameter(help="Folder for what was learned from this program, for others (--teacher).")
+    ] = None,
     resolution: Resolution = None,
     memory: Memory = MEMORY,
     tolerances: options.Tolerances = options.TIGHTER_TOLERANCES,
@@ -148,18 +174,24 @@ def feeds_command(
         toolpace feeds part.ngc -m xyzac-trunnion --setup setup.toml --out part-air.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds learned --raise-at-most 2 -o new.ngc
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml --feeds limits --limit chip=0.08mm -o new.ngc
+        toolpace feeds part.ngc -m my-mill.toml --setup setup.toml -o new.ngc --report feeds.html
     """
     from toolpace.cli import arguments
     from toolpace.common.files import whole_file
+    from toolpace.cutting.feeds import teaching
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import feeds_record, new_feeds
 
+    if save_teachers is not None and allowed.feeds != "learned":
+        raise UsageError(f"--save-teachers goes with --feeds learned, and the feeds are '{allowed.feeds}'")
     if out is not None:
         for what, file in (("program", program), ("set-up sheet", reading.setup), ("machine file", machine)):
             if file is not None and Path(out).exists() and Path(file).exists() and Path(out).samefile(file):
                 raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
         if not Path(out).absolute().parent.is_dir():
             raise UsageError(f"--out {out}: its folder does not exist; make it first")
+    if report is not None:
+        page_file(report, out, program)
     tip, axis = arguments.tolerances(tolerances)
     on, how = arguments.machine_with_setup(arguments.machine_named(machine, tool_length), reading)
     rules = allowed.rules()
@@ -174,13 +206,31 @@ def feeds_command(
     if out is not None:
         with whole_file(out) as temporary:
             temporary.write_bytes(found.written.data)
+    if report is not None:
+        from toolpace.results.cut.feeds_page import feeds_page
+
+        with steps.step("writing"), whole_file(report) as temporary:
+            temporary.write_text(feeds_page(found, on.name), encoding="utf-8")
+    if save_teachers is not None:
+        teaching.save_teachers(found.plan.teachers, Path(program).name, save_teachers)
     if json:
         print_json(feeds_record(found, on.name))
     else:
         show_feeds(console, found)
-        if out is not None:
-            console.print(f"\nwritten   {printable(out)}", soft_wrap=True)
+        written = ", ".join(printable(name) for name in (out, report) if name is not None)
+        if written:
+            console.print(f"\nwritten   {written}", soft_wrap=True)
     return 0
+
+
+def page_file(report: str, out: str | None, program: str) -> None:
+    """Raise UsageError where a page cannot be written to a file, before the work that makes it."""
+    if not report.lower().endswith((".html", ".htm")):
+        raise UsageError(f"--report {report[:80]}: it is a page; name it like feeds.html")
+    if not Path(report).absolute().parent.is_dir():
+        raise UsageError(f"--report {report[:80]}: its folder does not exist; make it first")
+    if any(name is not None and Path(report).resolve() == Path(name).resolve() for name in (out, program)):
+        raise UsageError(f"--report {report[:80]}: that is the program; name another file")
 
 
 def coefficients_of(material: str) -> Coefficients:
@@ -235,6 +285,8 @@ def show_feeds(console: Console, found: NewFeeds) -> None:
 
 
 def _show_loads(console: Console, found: NewFeeds) -> None:
+    from toolpace.cutting.feeds.teaching import by_line
+
     if above := found.written.above:
         lines = ", ".join(map(str, above[:SHOWN])) + (", ..." if len(above) > SHOWN else "")
         console.print(f"faster than allowed, since their motions have no single F: lines {lines}", soft_wrap=True)
@@ -247,12 +299,17 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
             words = [f"{scale * each:.3g} {unit}" for each in (load.before, load.after)]
             table.add_row(*cells([load.tool or "-", name, *words]))
         console.print(table)
-    for teacher in found.plan.teachers[:SHOWN]:
+    for kept in found.plan.kept:
+        console.print(f"as it was for {format_time(kept.seconds)}: {kept.reason}", soft_wrap=True)
+    for teacher in (listed := by_line(found.plan.teachers))[:SHOWN]:
+        where = f"{printable(teacher.program)}, " * bool(teacher.program) + f"line {teacher.line}"
         console.print(
-            f"teacher: line {teacher.line}, tool {printable(teacher.tool)}: chip {1e3 * teacher.chip:.3g} mm, "
-            f"area {1e6 * teacher.area:.3g} mm2, edge {1e3 * teacher.edge:.3g} mm",
+            f"teacher: {where}, tool {printable(teacher.tool)}: chip {1e3 * teacher.chip:.3g} mm, "
+            f"area {1e6 * teacher.area:.3g} mm2, edge {1e3 * teacher.edge:.3g} mm, for {format_time(teacher.seconds)}",
             soft_wrap=True,
         )
+    if (more := len(listed) - SHOWN) > 0:
+        console.print(f"and {more} more teachers (--json lists them)")
     for over in found.plan.overloads[:SHOWN]:
         what = f"what {over.limit} allows"
         if over.always:

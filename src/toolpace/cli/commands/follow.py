@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
+from rich.text import Text
 
+from toolpace.cli import options
 from toolpace.cli.console import new_console
 from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
@@ -19,6 +22,7 @@ Backlog = Annotated[
 RecordFile = Annotated[str | None, Parameter(name="--record", help="Table (CSV) of the rows that are sent.")]
 ComponentName = Annotated[str, Parameter(name="--name", help="Name of the component; its pins begin with it.")]
 StreamerNumber = Annotated[int, Parameter(name="--streamer", help="Number of the streamer that takes the rows.")]
+Watch = Annotated[bool, options.Switch, Parameter(help="Show it in a browser, at an address of this computer alone.")]
 STREAMERS = 8
 """Most of them (streamer(9))."""
 
@@ -31,6 +35,7 @@ def follow_command(
     record: RecordFile = None,
     name: ComponentName = "toolpace",
     streamer: StreamerNumber = 0,
+    watch: Watch = False,
 ) -> int:
     """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
 
@@ -39,16 +44,19 @@ def follow_command(
     joints in each servo period. A measurement therefore reaches the joints one
     backlog later. SIGTERM (unloadusr) or Ctrl-C ends the component, after a stop on
     the path within the limits.
-    docs: from plan to machine.
+    --watch shows it in a browser of this computer: joints, correction and use of
+    the limits. The follower never waits for the page. docs: from plan to machine.
 
     For example:
 
         toolpace follow part.law --backlog 10ms
         toolpace follow part.law --record given.csv
+        toolpace follow part.law --watch
     """
     from toolpace.cli import arguments
     from toolpace.controls.hal import hal_module
     from toolpace.controls.hal_component import Component, Settings
+    from toolpace.controls.live.view import LiveView
     from toolpace.deflection.following import Follower
 
     ahead = arguments.time_option("--backlog", backlog)
@@ -56,9 +64,13 @@ def follow_command(
         raise UsageError(f"--streamer {streamer}: give 0 to {STREAMERS - 1}")
     follower = Follower.load(law)
     settings = Settings(name, streamer, ahead, None if record is None else Path(record))
-    component = Component(follower, hal_module(), settings)
-    console = new_console()
-    console.print(f"{law}: {format_time(follower.duration)}, component {name} is ready", highlight=False)
-    component.run()
+    console, module = new_console(), hal_module()
+    with ExitStack() as ended:
+        view = ended.enter_context(LiveView(follower, Path(law).name)) if watch else None
+        component = Component(follower, module, settings, *([view.show] if view is not None else []))
+        if view is not None:
+            console.print(Text(f"watch it   {view.address}"), soft_wrap=True)
+        console.print(f"{law}: {format_time(follower.duration)}, component {name} is ready", highlight=False)
+        component.run()
     console.print(f"{component.rows.given} rows were sent, none too late", highlight=False)
     return 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -13,9 +12,10 @@ from rich.text import Text
 
 from toolpace.cli.console import LONGEST_NAME, cells, new_console, new_table, print_json, short_names
 from toolpace.common.errors import ToolpaceError, printable
+from toolpace.common.files import write_text
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
-from toolpace.jobs.inspection import follow_as_planned, inspection_record
+from toolpace.jobs.inspection import follow_as_planned, inspection_record, sheet_to_fill_in
 from toolpace.programs.reading.inspection import Inspection, Range, inspect_source, unreadable
 from toolpace.programs.reading.source import Source
 
@@ -59,7 +59,7 @@ def run_inspect(
     else:
         show(new_console(), found)
     if sheet is not None:
-        _write_setup(sheet, found, machines, reading)
+        write_text(sheet, sheet_to_fill_in(found, machines, lambda machine: reading.options(machine).setup))
         if not as_json:
             print(f"set-up sheet to fill in: {printable(str(sheet))}")
     return 2 if any(each.refused for each in found) else 0
@@ -72,28 +72,6 @@ def _machines(name: str | None, reading: Reading) -> list[Machine]:
 
     names = Machine.names() if name is None else (name,)
     return [arguments.machine_with_setup(Machine.load(each), reading)[0] for each in names]
-
-
-def _write_setup(path: Path, found: Sequence[Inspection], machines: Sequence[Machine], reading: Reading) -> None:
-    """A sheet with all that the programs use, on the machine that they were read for."""
-    from toolpace.common.files import write_text
-    from toolpace.programs.reading.findings import Used
-    from toolpace.programs.reading.setup_file import setup_sheet, with_program_figures
-
-    used = Used()
-    for each in found:
-        used.offsets |= each.used.offsets
-        used.references |= each.used.references
-        used.tools |= each.used.tools | dict.fromkeys(each.tools)
-        used.machine_zero |= each.used.machine_zero
-    names = [name for each in found for name in (each.read_on, *each.machines) if name]
-    machine = next((each for name in names for each in machines if each.name == name), None)
-    present = reading.options(machine).setup
-    for each in found:
-        present = with_program_figures(present, each.shapes, each.workpiece)
-    tips = [each.tip_at_feed for each in found if each.tip_at_feed is not None]
-    tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
-    write_text(path, setup_sheet(", ".join(each.program for each in found), used, machine, present, tip))
 
 
 def show(console: Console, found: Sequence[Inspection]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
 Out = Annotated[
     str | None,
     Parameter(name=["--out", "-o"], help="Folder for the results; by default PROGRAM-setup in the current folder."),
+]
+Plans = Annotated[
+    str | None,
+    Parameter(name="--plans", help="Write the plan of each set-up that is shown, with its report, into a folder."),
 ]
 
 
@@ -109,6 +114,8 @@ class SearchRequest:
     feed: str | None
     dialect: str | None
     options: ReadOptions
+    plans: Path | None = None
+    """Folder for the plans of the set-ups that are shown; None: they are not written."""
 
 
 def setup_command(
@@ -122,6 +129,7 @@ def setup_command(
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
     out: Out = None,
+    plans: Plans = None,
     where: Where = HERE,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
@@ -138,6 +146,7 @@ def setup_command(
         toolpace setup part.ngc -m xyzac-trunnion
         toolpace setup part.ngc -m my-mill.toml --choices fixtures.toml --out part-setup
         toolpace setup part.cls --machines xyzac-trunnion,xyzbc-head,my-mill.toml
+        toolpace setup part.ngc -m my-mill.toml --shown 3 --plans part-plans
     """
     from toolpace.cli import arguments
     from toolpace.setup_search.search import MAPPED
@@ -160,6 +169,7 @@ def setup_command(
             feed=arguments.feed_option(feed),
             dialect=dialect,
             options=how,
+            plans=None if plans is None else arguments.folder_for_results(plans, "--plans"),
         )
     )
 
@@ -183,13 +193,39 @@ def run_setup(request: SearchRequest) -> int:
     )
     if fastest is None:
         raise UsageError("; ".join(str(why) for _, why in found))
+    reports = () if request.plans is None else written_plans(request, request.plans, fastest, console)
     with steps.step("writing"):
-        files = write_set_up(request.out, fastest, Path(request.program).name, request.options.setup, found)
+        files = write_set_up(request.out, fastest, Path(request.program).name, request.options.setup, found, reports)
     show_found(console, fastest, found)
     console.print(f"written      {printable(str(request.out))}: {', '.join(files)}", soft_wrap=True)
     console.print(f"to plan it   {advice(request)}", soft_wrap=True)
     console.print("             --effort low gives the time above; without it the plan may be faster")
     return 0
+
+
+def written_plans(request: SearchRequest, folder: Path, found: FoundSetUp, console: Console) -> list[str]:
+    """Plan the program in each of the best set-ups, as it was planned in the search, into a folder of its own.
+
+    Returns the names of the reports as they are reached from the folder of the results.
+    """
+    from toolpace.jobs import job
+    from toolpace.results.write import REPORT
+    from toolpace.results.write.set_up_folder import PROGRAM, cldata_text
+    from toolpace.setup_search.found_set_up import with_sheet
+
+    folder.mkdir(parents=True, exist_ok=True)
+    program, reports = folder / PROGRAM, []
+    program.write_text(cldata_text(found.toolpath, Path(request.program).name), encoding="utf-8")
+    for number, each in enumerate(found.best, start=1):
+        console.print(f"\nset-up {number}: {each.clamping.words(each.machine)}")
+        machine, out = with_sheet(each.machine, request.options.setup), folder / str(number)
+        job.carry_out(job.Job(program, machine, out, *request.tolerances, effort="low"), Steps(console))
+        try:
+            reports.append(Path(os.path.relpath(out / REPORT, request.out)).as_posix())
+        except ValueError:  # on another drive
+            reports.append("")
+    console.print()
+    return reports
 
 
 def advice(request: SearchRequest) -> str:

@@ -19,6 +19,7 @@ from toolpace.cli.console import (
     print_json,
     short_names,
 )
+from toolpace.cli.summary import cut_in_words
 from toolpace.common.errors import UsageError, printable
 from toolpace.common.units import format_length, format_time
 from toolpace.jobs.timed import KINDS, Timed, TimeRequest, optimum_of_parts, time_record, timed, timed_or_wrong
@@ -53,7 +54,12 @@ def run_time(programs: Sequence[str], request: TimeRequest, as_json: bool) -> in
     # what is under way is shown beside JSON, too, but not among it
     place = Console(stderr=True, highlight=False, markup=False) if as_json else console
     alone = len(programs) == 1 and not as_json
-    found = [(timed if alone else timed_or_wrong)(program, request, Steps(place)) for program in programs]
+    found: list[Timed] = []
+    for program in programs:
+        # as in `cut`, the stock that one program leaves is that of the next
+        stock = found[-1].left if found else None
+        work = timed if alone else timed_or_wrong
+        found.append(work(program, request, Steps(place), stock=stock))
     if as_json:
         print_json([time_record(each, request.machine.name) for each in found])
     else:
@@ -89,6 +95,8 @@ def _show_page(console: Console, found: Timed, machine: str) -> None:
         *_range(time),
         *((kind.replace("_", " "), format_time(time.sum(kind))) for kind in KINDS if time.sum(kind) > 0.0),
     ]
+    if found.cut is not None:
+        rows += [("at feed" if k == 0 else "", line) for k, line in enumerate(cut_in_words(found.cut))]
     rows.append(("tolerance", _tolerance(found)))
     if found.optimum is not None:
         rows.append(("optimum", f"{format_time(found.optimum)}, {_saving(time, found.optimum)}"))
@@ -143,6 +151,8 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
     planned = [(each.time, each.optimum) for each in found if each.time is not None and each.optimum is not None]
     both = [(time.total, optimum) for time, optimum in planned]
     headings = ["program", "control", "model", "time", "range", "cutting", "rapid"]
+    apart = any(each.cut is not None for each in found)
+    headings += ["in air"] if apart else []
     headings += ["optimum", "saving"] if both else []
     table = new_table(headings, left=("program", "control", "model"))
     for column in table.columns:
@@ -156,12 +166,14 @@ def _show_table(console: Console, found: Sequence[Timed]) -> None:
         time = each.time
         parts = [format_time(seconds) for seconds in (time.sum("cutting"), time.sum("rapid"))]
         times = [format_time(time.total), _percents(time), *parts]
+        times += ["-" if each.cut is None else format_time(each.cut.air_s)] if apart else []
         words = [name, each.control or "-", each.model, *times, *(_optimum(time.total, each.optimum) if both else ())]
         table.add_row(*cells(words))
     if len(both) > 1:
         total, optimum = (sum(column) for column in zip(*both))
         table.add_section()
-        table.add_row("all with an optimum", "", "", format_time(total), "", "", "", *_optimum(total, optimum))
+        sums = [format_time(total), *[""] * (3 + apart), *_optimum(total, optimum)]
+        table.add_row("all with an optimum", "", "", *sums)
     console.print(table)
     reasons = {FASTER if time.exceeded else NOT_LEAST for time, optimum in planned if optimum > time.total}
     for reason in sorted(reasons):

@@ -18,10 +18,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
-from toolpace.controls.export.planned_feeds import CUT, PROBE, Job, change_of_kept, in_old_blocks, strays
+from toolpace.controls.export.planned_feeds import CUT, Job, in_old_blocks, settled, strays
 from toolpace.controls.export.program import Places as TextPlaces
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewritten
 from toolpace.cutting.feeds.feed_plan import FeedPlan
@@ -45,8 +45,6 @@ CLOSE = 2e-6
 """Share by which a feed that is read back may be above the planned one: that, and rounding of the way."""
 NEAR = 2e-6
 """By how much the end of a piece may be elsewhere by rounding [m]."""
-SAME = 1e-9
-"""Share by which the time of a block that keeps its text may differ: rounding."""
 
 
 Divisions = Mapping[int, tuple[Floats, list[str]]]
@@ -87,27 +85,18 @@ def with_cut_feeds(
     if language not in LANGUAGES:
         raise UsageError("feeds: a table of points has no blocks that could bear an F; give a program")
     shares = feeds.divided(source) if divide and language in CUT else {}
-    times = feeds.times(shares)
-    while (times > 0.0).any():
-        job = Job.beside(source, machine, dialect, options, toolpath, times)
-        if not job.lines:
-            break
+    job = Job.beside(source, machine, dialect, options, toolpath, feeds.times(shares))
+    pieces: dict[int, list[str]] = {}
+
+    def write(job: Job) -> Rewritten:
+        nonlocal pieces
         new, pieces = _written(job, feeds, shares)
-        again = job.read(new)
-        wrong = change_of_kept(job, new, again) > SAME
-        if not wrong.any():
-            check(job, feeds, new, again)
-            above = feeds.lowered & ~job.rewriting.chosen
-            return FeedProgram(new.data, again, len(job.lines), len(pieces), _lines(passes, above))
-        # the text does not tell which feed is in force behind them: without theirs it is what it was
-        before = job.rewriting.chosen & _before(wrong, job.rewriting.kept)
-        if not before.any():
-            raise VerificationError(
-                f"read back, block {int(passes.block[int(np.argmax(wrong))])} keeps its text and has another feed; "
-                "nothing was written"
-            )
-        times = np.where(before, 0.0, times)
-    return FeedProgram(source.data, toolpath, 0, 0, _lines(passes, feeds.lowered))
+        return new
+
+    job, new, again = settled(job, write)
+    check(job, feeds, new, again)
+    above = feeds.lowered & ~job.rewriting.chosen
+    return FeedProgram(new.data, again, len(job.lines), len(pieces), _lines(passes, above))
 
 
 def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten, dict[int, list[str]]]:
@@ -119,11 +108,13 @@ def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten
     if wrong:
         pieces = {line: lines for line, lines in pieces.items() if line not in wrong}
         new, read = job.probe(pieces)
-    words: dict[int, list[str]] = {}
-    for line, probed in new.times(read).items():
-        k = job.lines[line]
-        planned = feeds.piece_times(k, shares[line][0]) if line in pieces else [feeds.planned_time(k)]
-        words[line] = [rounded_down(PROBE * float(a / b)) for a, b in zip(probed, planned)]
+    times = new.times(read)
+    planned = {
+        line: feeds.piece_times(k, shares[line][0]) if line in pieces else np.array([feeds.planned_time(k)])
+        for line, k in job.lines.items()
+    }
+    values = job.values(times, planned, pieces)
+    words = {line: [rounded_down(value) for value in found.tolist()] for line, found in values.items()}
     return job.rewriting.write(words, pieces), pieces
 
 
@@ -136,13 +127,6 @@ def _misplaced(new: Rewritten, read: ToolPath, shares: Mapping[int, Floats]) -> 
         ends = np.cumsum(by_line[new.bearers[line]])
         if (np.abs(ends[:-1] - share * ends[-1]) > NEAR).any():
             found.add(line)
-    return found
-
-
-def _before(wrong: Bools, kept: Bools) -> Bools:
-    """(k,) passes between one that is `wrong` (k,) and the last before it that is `kept` (k,)."""
-    behind: Ints = np.cumsum(kept) - kept
-    found: Bools = np.isin(behind, behind[wrong]) & ~kept
     return found
 
 
@@ -180,8 +164,8 @@ class _BlockFeeds:
 
     def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan) -> None:
         self.toolpath, self.passes = toolpath, passes
-        self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds))
         self.own = toolpath.most_speed
+        self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds), self.own)
         self.way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
 
     def divided(self, source: Source) -> Divisions:
@@ -217,7 +201,7 @@ class _BlockFeeds:
 
         Where rotary joints set the pace the tip's own speed changes within a block, and one F scales all of it.
         """
-        if self.passes.rapid[k] or self.passes.mixed[k]:
+        if self.passes.rapid[k]:
             return math.inf
         _, feeds, own = self.pieces_of(k)
         return float((feeds / own).min(initial=math.inf))
@@ -238,7 +222,8 @@ class _BlockFeeds:
         feeds = np.append(self.values, np.nan)[np.minimum(piece, len(self.values))]
         way = np.diff(np.interp(edges, np.arange(len(self.way)), self.way))
         own = self.own[np.ceil(middle).astype(np.int64)]
-        there = way > 0.0
+        # of a cycle the ways at feed
+        there = (way > 0.0) & ~self.toolpath.rapid[np.ceil(middle).astype(np.int64)]
         if not there.any() or not (np.isfinite(feeds) & (feeds > 0.0) & np.isfinite(own))[there].all():
             return np.zeros(0), np.zeros(0), np.zeros(0)
         return way[there], feeds[there], own[there]

@@ -34,8 +34,11 @@ class FeedWords(Protocol):
     def mode_in(self, line: str) -> str:
         """The word of a line that tells what F means (G93, G94, G95); empty where it has none."""
 
-    def with_feed(self, line: str, feed: str, inverse: bool) -> list[str]:
-        """The line with another F, or with one added; lines that must stand before it come first."""
+    def with_feed(self, line: str, feed: str, inverse: bool, in_force: str = "") -> list[str]:
+        """The line with another F, or with one added; lines that must stand before it come first.
+
+        in_force: the F before the line as it is written; one that is added is of its kind (per minute, turn, tooth).
+        """
 
     def alone(self, feed: str, mode: str, inverse: bool) -> str:
         """A line that sets an F again that was found before, behind blocks that had F of their own."""
@@ -95,10 +98,11 @@ class WordAddress:
         mode = MODES.search(self._code(line))
         return f"G9{mode[1]}" if mode else ""
 
-    def with_feed(self, line: str, feed: str, inverse: bool) -> list[str]:
+    def with_feed(self, line: str, feed: str, inverse: bool, in_force: str = "") -> list[str]:
         """F replaced, or added behind the last word; G93 before it where feeds are inverse times."""
-        code, word = self._code(line), f"F{feed}"
+        code = self._code(line)
         at = self._place(code)
+        word = self._word(code[at[0] : at[1]] if at else in_force, feed, inverse)
         if at is None:
             end = len(code.rstrip())
             line = f"{line[:end]} {word}{line[end:]}"
@@ -120,6 +124,10 @@ class WordAddress:
     def _code(self, line: str) -> str:
         """The line without comments, each letter in its place."""
         return code_of(line)
+
+    def _word(self, like: str, feed: str, inverse: bool) -> str:
+        """A feed in the word that another one has."""
+        return f"F{feed}"
 
     def _place(self, code: str) -> tuple[int, int] | None:
         """Where F and its value stand."""
@@ -170,7 +178,7 @@ class Cldata:
         """The whole statement."""
         return line.strip() if self._FEED.match(line) and "$" not in line else ""
 
-    def with_feed(self, line: str, feed: str, inverse: bool) -> list[str]:
+    def with_feed(self, line: str, feed: str, inverse: bool, in_force: str = "") -> list[str]:
         """FEDRAT before the line, which stays as it is."""
         return [f"FEDRAT/{feed},MMPM", line]
 
@@ -185,7 +193,10 @@ class Cldata:
 
 @dataclass(frozen=True)
 class Klartext:
-    """Heidenhain: F1234 behind the coordinates and before M; FMAX is a rapid, F behind M128 belongs to M128."""
+    """Heidenhain: F1234 behind the coordinates and before M; FMAX is a rapid, F behind M128 belongs to M128.
+
+    FU is a feed per turn, FZ per tooth.
+    """
 
     inverse: ClassVar[bool] = False
     decimals: ClassVar[int] = 3
@@ -194,7 +205,7 @@ class Klartext:
         re.IGNORECASE,
     )
     _FEED: ClassVar[re.Pattern[str]] = re.compile(
-        r"(?<![A-Z0-9])F[ \t]*(?:AUTO|[UZ]?[ \t]*(?:[-+]?(?:[0-9]++[.,]?[0-9]*+|[.,][0-9]++|Q[LRS]?[0-9]++)))",
+        r"(?<![A-Z0-9])F[ \t]*(?:AUTO|([UZ]?)[ \t]*(?:[-+]?(?:[0-9]++[.,]?[0-9]*+|[.,][0-9]++|Q[LRS]?[0-9]++)))",
         re.IGNORECASE,
     )
     _FUNCTION: ClassVar[re.Pattern[str]] = re.compile(r"(?<![A-Z0-9])M[ \t]*[0-9Q]", re.IGNORECASE)
@@ -208,14 +219,16 @@ class Klartext:
         at = self._FEED.search(line, 0, self._words_end(line))
         return at[0] if at and self._PATHS.match(line) else ""
 
-    def with_feed(self, line: str, feed: str, inverse: bool) -> list[str]:
+    def with_feed(self, line: str, feed: str, inverse: bool, in_force: str = "") -> list[str]:
         """F replaced, or added before the first M."""
         end = self._words_end(line)
         at = self._FEED.search(line, 0, end)
+        like = at or self._FEED.match(in_force)
+        word = f"F{((like[1] if like else '') or '').upper()}{feed}"
         if at:
-            return [line[: at.start()] + f"F{feed}" + line[at.end() :]]
+            return [line[: at.start()] + word + line[at.end() :]]
         head = line[:end].rstrip()
-        return [f"{head} F{feed}{line[len(head) : end]}{line[end:]}"]
+        return [f"{head} {word}{line[len(head) : end]}{line[end:]}"]
 
     def mode_in(self, line: str) -> str:
         """Empty: there is no such word."""
@@ -234,17 +247,18 @@ class Klartext:
 
 @dataclass(frozen=True)
 class Sinumerik(WordAddress):
-    """Sinumerik: F100, F=R1; brackets hold arguments, and ; alone begins a comment."""
+    """Sinumerik: F100, F=R1, FZ=0.1 per tooth, FB=100 of one block; ; alone begins a comment."""
 
     _NAMED: ClassVar[re.Pattern[str]] = re.compile(
         r"(?<![A-Z0-9_$])(?:CYCLE|MCALL|HOLES|POCKET|SLOT|IF|ELSE|ENDIF|WHILE|FOR|LOOP|REPEAT|UNTIL|CASE|GOTO|CALL|DEF|PROC)",
         re.IGNORECASE,
     )
     _FEED: ClassVar[re.Pattern[str]] = re.compile(
-        rf"(?<![A-Z0-9_$])F[ \t]*(?:{NUMBER}(?:EX[-+]?[0-9]+)?|=[ \t]*(?:{NUMBER}|R[0-9]+)(?![ \t]*[-+*/(\[]))",
+        rf"(?<![A-Z0-9_$])F(?:[ \t]*{NUMBER}(?:EX[-+]?[0-9]+)?"
+        rf"|[ZB]?[ \t]*=[ \t]*(?:{NUMBER}|R[0-9]+)(?![ \t]*[-+*/(\[]))",
         re.IGNORECASE,
     )
-    _OTHER: ClassVar[re.Pattern[str]] = re.compile(r"(?<![A-Z0-9_$])F[ \t]*=", re.IGNORECASE)
+    _OTHER: ClassVar[re.Pattern[str]] = re.compile(r"(?<![A-Z0-9_$])F[ZB]?[ \t]*=", re.IGNORECASE)
 
     def editable(self, lines: Sequence[str]) -> list[bool]:
         """All but those of threads, cycles and statements, and those whose F is an expression."""
@@ -253,6 +267,15 @@ class Sinumerik(WordAddress):
             able and self._NAMED.search(code) is None and not self._unknown(code)
             for able, code in zip(super().editable(lines), codes)
         ]
+
+    def feed_in(self, line: str) -> str:
+        """F or FZ; FB is that of one block, and leaves what is in force."""
+        found = super().feed_in(line)
+        return "" if found[:2].upper() == "FB" else found
+
+    def _word(self, like: str, feed: str, inverse: bool) -> str:
+        letters = like[:2].upper()
+        return f"{letters}={feed}" if letters == "FB" or (letters == "FZ" and not inverse) else f"F{feed}"
 
     def _code(self, line: str) -> str:
         return _bare(line)

@@ -5,12 +5,12 @@ What an F means is not worked out here: the program is read with one F everywher
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewriting, Rewritten, figure, pose
@@ -21,10 +21,12 @@ from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.languages import recognised
 from toolpace.programs.toolpath import ToolPath
 
-PROBE = 100.0
-"""The F with which the program is read to learn what one means."""
+PROBE = 1.0
+"""The F with which the program is read to learn what one means: per minute, turn or tooth, or as an inverse time."""
 CUT = ("word-address", "sinumerik")
 """Languages whose blocks can be cut."""
+SAME = 1e-9
+"""Share by which the time of a block that keeps its text may differ: rounding."""
 
 Pieces = Mapping[int, Sequence[str]]
 """Line to the lines that stand before it where it is cut."""
@@ -87,6 +89,10 @@ class Job:
         rewriting = Rewriting.of(ProgramText.of(source.data), words, passes, planned, inverse)
         return cls(source, machine, dialect, options, toolpath, passes, planned, rewriting)
 
+    def without(self, passes: Bools) -> Job:
+        """The same, where some passes (k,) keep their text."""
+        return replace(self, rewriting=replace(self.rewriting, chosen=self.rewriting.chosen & ~passes))
+
     @property
     def lines(self) -> dict[int, int]:
         """Line to the pass of each block that gets a feed."""
@@ -99,9 +105,9 @@ class Job:
         except ToolpaceError as error:
             raise VerificationError(f"with the feeds of the plan the program cannot be read: {error}") from None
 
-    def probe(self, pieces: Pieces) -> tuple[Rewritten, ToolPath]:
+    def probe(self, pieces: Pieces, feed: float = PROBE) -> tuple[Rewritten, ToolPath]:
         """The program with one F everywhere, and how it reads."""
-        feeds = {line: [f"{PROBE:g}"] * (1 + len(pieces.get(line, ()))) for line in self.lines}
+        feeds = {line: [f"{feed:g}"] * (1 + len(pieces.get(line, ()))) for line in self.lines}
         new = self.rewriting.write(feeds, pieces)
         return new, self.read(new)
 
@@ -109,14 +115,28 @@ class Job:
         """Line to the F of each of its pieces, which take equal times."""
         new, read = self.probe(pieces)
         times = new.times(read)
-        controller = self.options.controller
-        seconds = self.rewriting.inverse and controller is not None and controller.option("inverse_seconds", False)
-        feeds = {}
-        for line, k in self.lines.items():
-            right = self.planned[k] / len(times[line])
-            values = np.full(len(times[line]), right) if seconds else PROBE * times[line] / right
-            feeds[line] = [figure(value, self.rewriting.words.decimals) for value in values.tolist()]
-        return feeds
+        planned = {
+            line: np.full(len(times[line]), self.planned[k] / len(times[line])) for line, k in self.lines.items()
+        }
+        decimals = self.rewriting.words.decimals
+        return {
+            line: [figure(value, decimals) for value in values.tolist()]
+            for line, values in self.values(times, planned, pieces).items()
+        }
+
+    def values(
+        self, times: Mapping[int, Floats], planned: Mapping[int, Floats], pieces: Pieces
+    ) -> dict[int, Floats]:
+        """Line to the F with which each of its pieces takes a planned time (n,) [s], from the `times` with PROBE."""
+        controller, longer = self.options.controller, {}
+        if controller is not None and controller.option("inverse_seconds", False):
+            # where F is the seconds of a block, twice the F is twice the time
+            new, read = self.probe(pieces, 2.0 * PROBE)
+            longer = {line: twice > times[line] for line, twice in new.times(read).items()}
+        return {
+            line: PROBE * np.where(longer.get(line, False), planned[line] / probed, probed / planned[line])
+            for line, probed in times.items()
+        }
 
 
 def _has_inverse_times(controller: object) -> bool:
@@ -163,6 +183,34 @@ def off_the_way(tip: Floats, axis: Floats, tips: Floats, axes: Floats) -> tuple[
         far.append(float(np.linalg.norm(tip[k] + share[k] * (tip[k + 1] - tip[k]) - here)))
         turned.append(float(np.linalg.norm(axis[k] + share[k] * (axis[k + 1] - axis[k]) - leaning)))
     return max(far), max(turned)
+
+
+def settled(job: Job, write: Callable[[Job], Rewritten]) -> tuple[Job, Rewritten, ToolPath]:
+    """A job, as it is written and as that reads, with as many blocks as leave those that keep their text their feed.
+
+    Where the text does not tell which feed is in force (a subprogram or a variable has changed it), the blocks before
+    keep their text too. Raises VerificationError where that does not help.
+    """
+    while True:
+        new = write(job)
+        again = job.read(new)
+        wrong = change_of_kept(job, new, again) > SAME
+        if not wrong.any():
+            return job, new, again
+        before = job.rewriting.chosen & _before(wrong, job.rewriting.kept)
+        if not before.any():
+            raise VerificationError(
+                f"read back, block {int(job.passes.block[int(np.argmax(wrong))])} keeps its text and has another feed; "
+                "nothing was written"
+            )
+        job = job.without(before)
+
+
+def _before(wrong: Bools, kept: Bools) -> Bools:
+    """(k,) passes between one that is `wrong` (k,) and the last before it that is `kept` (k,)."""
+    behind: Ints = np.cumsum(kept) - kept
+    found: Bools = np.isin(behind, behind[wrong]) & ~kept
+    return found
 
 
 def largest_change_of_kept(job: Job, new: Rewritten, again: ToolPath) -> float:

@@ -19,7 +19,7 @@ from toolpace.common.errors import ToolpaceError, UsageError, VerificationError
 from toolpace.common.units import format_time
 from toolpace.common.value_objects import counted
 from toolpace.controls.export.feed_words import NUMBER, code_of
-from toolpace.controls.export.planned_feeds import Job, largest_change_of_kept, strays
+from toolpace.controls.export.planned_feeds import SAME, Job, largest_change_of_kept, settled, strays
 from toolpace.controls.export.rewriting import Rewritten, pose, rounding
 from toolpace.controls.export.target import PlannedMotion, ReadBack, Written, provenance
 from toolpace.controls.timing.program_time import figures_for, moves_of, time_of_moves
@@ -30,13 +30,11 @@ DECIMALS = 6
 """Of coordinates between those of the program."""
 _STRAIGHT = re.compile(
     rf"[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?(?:G[ \t]*0*1(?![0-9.])[ \t]*)?((?:[XYZABCUVW][ \t]*=?[ \t]*{NUMBER}[ \t]*)+)"
-    rf"(?:F[ \t]*{NUMBER}[ \t]*)?"
+    rf"(?:F(?:Z[ \t]*=)?[ \t]*{NUMBER}[ \t]*)?"
 )
 _AXIS = re.compile(rf"(?<![A-Z_0-9\]])([XYZABCUVW])[ \t]*=?[ \t]*({NUMBER})?")
 _INCREMENTS = re.compile(r"(?<![A-Z_0-9])G[ \t]*9([01])(?![0-9.])")
 HOW_TO = "how_to_use.txt"
-SAME = 1e-9
-"""Relative rounding of times that are worked out twice."""
 SHORTEST_SPLIT = 1e-3
 """Of the pieces of blocks [s]."""
 NAMED = 8
@@ -162,7 +160,18 @@ class Program:
         job = Job.of(motion, self.inverse_time, self.split is not None)
         pieces = {} if self.split is None else cut(job, motion.setpoints, self.split)
         feeds = job.feeds(pieces)
-        new = job.rewriting.write(feeds, pieces)
+
+        def write(job: Job) -> Rewritten:
+            here = job.lines
+            return job.rewriting.write(
+                {line: found for line, found in feeds.items() if line in here},
+                {line: found for line, found in pieces.items() if line in here},
+            )
+
+        job, new, _ = settled(job, write)
+        feeds, pieces = (
+            {line: each for line, each in found.items() if line in job.lines} for found in (feeds, pieces)
+        )
         assert motion.record is not None
         file = motion.record.program_file
         (folder / file).write_bytes(new.data)
@@ -209,7 +218,7 @@ class Program:
             named = ", ".join(map(str, kept[:NAMED])) + (", ..." if len(kept) > NAMED else "")
             notes.append(
                 f"{counted(len(kept), 'line')} with the old feed, since motions of cycles, loops, subprograms and "
-                f"threads have no single one: {named}"
+                f"threads have no single one, and some follow an F that the text does not tell: {named}"
             )
         if self.split is not None:
             left = int((rewriting.chosen & (np.rint(job.planned / self.split) >= 2)).sum()) - cuts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,8 +20,8 @@ AXIS = 0.1
 _ENDS = re.compile(r"(\r\n|\r|\n)")
 _MARK = b"\xef\xbb\xbf"
 """Of UTF-8, which some editors put before the text."""
-FIGURES = 6
-"""Significant figures of an F."""
+FIGURES, LEAST_FIGURES = 6, 3
+"""Significant figures of an F, and of one per turn or tooth, which is small, at least."""
 
 
 @dataclass(frozen=True)
@@ -219,13 +220,14 @@ class Rewriting:
         restores = self.restores()
         changed: list[list[str]] = []
         bearers: dict[int, list[int]] = {}
-        back = [0]
+        back, in_force = [0], ""
         for number, line in enumerate(self.text.lines, start=1):
             new: list[str] = []
+            in_force = self.words.feed_in(line) or in_force
             if number in feeds:
                 bearers[number] = []
                 for piece, feed in zip([*pieces.get(number, ()), line], feeds[number], strict=True):
-                    new += self.words.with_feed(piece, feed, self.inverse)
+                    new += self.words.with_feed(piece, feed, self.inverse, in_force)
                     bearers[number].append(len(back) - 1 + len(new))
                 if number in restores:
                     new.append(restores[number])
@@ -255,8 +257,9 @@ class Rewritten:
 
 
 def places(value: float, decimals: int) -> int:
-    """Decimals with which a feed is written: six figures, and at most so many decimals."""
-    return int(np.clip(FIGURES - 1 - np.floor(np.log10(value)), 0, decimals))
+    """Decimals with which a feed is written: six figures and at most so many decimals, or three figures."""
+    first = math.floor(math.log10(value))
+    return max(min(FIGURES - 1 - first, decimals), LEAST_FIGURES - 1 - first, 0)
 
 
 def figure(value: float, decimals: int) -> str:

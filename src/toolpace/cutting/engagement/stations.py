@@ -101,6 +101,61 @@ def motion_stations(
     return joined(parts)
 
 
+def program_stations(
+    toolpath: ToolPath, times: Floats, spacing: float, reach: Sequence[float]
+) -> list[Stations]:
+    """The stations of a program as it is written, whose points are passed at `times` (n,) [s], straight and evenly
+    from one to the next; for all else see `motion_stations`."""
+    start, operation = toolpath.way_start, toolpath.operation
+    # a longer tool begins elsewhere
+    jumps = (start[1:] != toolpath.tip[:-1]).any(axis=1) | (np.diff(operation) != 0)
+    borders = [1, *(np.flatnonzero(jumps[1:]) + 2).tolist(), len(toolpath)] if len(toolpath) > 1 else []
+    parts: list[Stations] = []
+    for first, last in pairwise(borders):
+        tip = np.concatenate([start[first : first + 1], toolpath.tip[first:last]])
+        axis, time = toolpath.axis[first - 1 : last], times[first - 1 : last]
+        leads = np.maximum(np.arange(first - 1, last), first)
+        parts.append(_straight(toolpath, tip, axis, time, leads, spacing, reach[int(operation[first])]))
+        if sum(map(len, parts)) > MOST:
+            raise _too_many(spacing)
+    return joined(parts)
+
+
+def _straight(
+    toolpath: ToolPath, tip: Floats, axis: Floats, time: Floats, leads: Ints, spacing: float, reach: float
+) -> Stations:
+    """Stations along straight ways between poses (k,) that are passed at times (k,); to point `leads` (k,) of the tool
+    path leads the way to each."""
+    kept = _apart(_moves(tip, axis, reach), toolpath.rapid[leads[1:]], DENSE * spacing)
+    tip, axis, time, leads = tip[kept], axis[kept], time[kept], leads[kept]
+    count = np.maximum(np.ceil(_moves(tip, axis, reach) / spacing), 1.0)
+    if count.sum() > MOST:
+        raise _too_many(spacing)
+    share = _split(np.arange(len(tip), dtype=float), count.astype(np.int64))
+    tips, axes = (
+        np.stack([np.interp(share, np.arange(len(tip)), column) for column in place.T], axis=1)
+        for place in (tip, axis)
+    )
+    point = leads[np.ceil(share).astype(np.int64)]
+    return Stations(
+        tips,
+        axes / np.linalg.norm(axes, axis=1)[:, None],
+        np.interp(share, np.arange(len(tip)), time),
+        toolpath.block[point],
+        toolpath.operation[point],
+        toolpath.rapid[point],
+        point,
+    )
+
+
+def _apart(moves: Floats, rapid: Bools, least: float) -> Ints:
+    """Those of k poses that are `least` [m] apart, by the moves (k - 1,) between them, and those at which rapids
+    (k - 1,) begin and end."""
+    way = np.concatenate([[0.0], np.cumsum(moves)])
+    fixed = np.concatenate([[True], rapid[1:] != rapid[:-1], [True]])
+    return np.flatnonzero(fixed | (np.diff(np.floor(way / least), prepend=-1.0) > 0.0))
+
+
 def joined(parts: Sequence[Stations]) -> list[Stations]:
     """Neighbours of one operation and one place of its tool as one part: from one stop to the next the tool stays."""
     found: list[list[Stations]] = []

@@ -17,47 +17,50 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
+from toolpace.common.units import format_time
 from toolpace.cutting.engagement.stations import Stations
-from toolpace.cutting.engagement.table import EngagementTable
-from toolpace.cutting.feeds.learned import Taken, best_of, learned_speeds, teachers
+from toolpace.cutting.feeds.feed_moves import FeedMoves
+from toolpace.cutting.feeds.largest_loads import LargestLoad, largest_loads
+from toolpace.cutting.feeds.learned import Teacher, learned_speeds
 from toolpace.cutting.feeds.limits import CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places, over_window, stepped
-from toolpace.cutting.forces.engaged import EngagedForces
+from toolpace.cutting.feeds.teaching import HEAVIEST, Taught, taught
+from toolpace.cutting.forces.engaged import CutLoads
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
+from toolpace.cutting.stock.solids import guessed_stock
 from toolpace.cutting.tool_profile import ToolProfile
-from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
-WIDE = 3.0
-"""Cells that a contact is wide or deep at least, to teach: what is narrower is known too coarsely."""
-SHARE = 0.1
-"""Of the volume of a tool that is removed at a feed at least, for it to be a feed at which the tool cuts."""
-RATE = 5
-"""Stations over which a removal rate is a mean."""
-ANY = Coefficients(1e9, 1e9)
-"""Where no force is asked for."""
 STANDS = 1e-12
 """Speed of the tip below which it stands: the axis turns at a time of its own [m/s]."""
 
 
-@dataclass(frozen=True)
-class Teacher:
-    """A place of the program whose load is taken as one that the tool bears."""
-
-    line: int
-    operation: str
-    tool: str
-    chip: float
-    """[m]"""
-    area: float
-    """[m2]"""
-    edge: float
-    """[m]"""
+HARDLY = 0.02
+"""Share by which the time may grow where the heaviest time teaches nothing, before that is told."""
+RUBBING = 4e-6
+"""Feed per tooth below which an edge may rub [m]: a third of the radius of an edge of carbide (5 to 15 um), about where
+chips begin to form (Vogler, DeVor and Kapoor, J. Manuf. Sci. Eng. 126 (2004): 0.2 to 0.3 of the radius in steel)."""
+SHOWN = 0.05
+"""Time from which it is told [s]."""
+REASONS = (
+    "something may be cut there",
+    "within the margin of a cut, or shorter than feeds are changed for",
+    "in air as fast as air allows, or within the margin of a cut",
+    "the operation is left as it is (--leave)",
+    "a surface is made that stays (--finishing)",
+    "no teacher or limit is for that tool and spindle speed",
+    "as heavy as a teacher, or beside a place that is",
+    "the edge in material is longer than a teacher's",
+    "at a limit, or beside a place that is",
+    "the edges alone are above a limit",
+)
+MAY_CUT, NEAR_CUT, IN_AIR, LEFT, FINISHES, NOT_TOLD, AS_TAUGHT, LONG_EDGE, AT_LIMIT, EDGES = range(len(REASONS))
+"""Why a feed stays."""
 
 
 @dataclass(frozen=True)
@@ -84,14 +87,11 @@ class OperationFeeds:
 
 
 @dataclass(frozen=True)
-class LargestLoad:
-    """The largest that a tool takes of one kind, where something may be cut, at the feeds before and after."""
+class KeptFeed:
+    """For how long the program's feed stays, and why."""
 
-    tool: str
-    kind: str
-    """chip [m], removal_rate [m3/s]; with a material force [N], torque [N m], power [W], deflection [m]."""
-    before: float
-    after: float
+    reason: str
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -103,11 +103,14 @@ class FeedPlan:
     """(n,) of each stretch, on the way to each of its stations [m/s]."""
     operations: tuple[OperationFeeds, ...]
     teachers: tuple[Teacher, ...] = ()
+    """Each at one angle of the tool, several of a line; `by_line` takes one of each."""
     overloads: tuple[Overload, ...] = ()
     """The worst of each tool and limit."""
     largest: tuple[LargestLoad, ...] = ()
     """By tool and kind; of tools whose teeth and spindle speed are known."""
     notes: tuple[str, ...] = ()
+    kept: tuple[KeptFeed, ...] = ()
+    """The longest first."""
 
 
 def plan_feeds(
@@ -124,60 +127,69 @@ def plan_feeds(
     `rules` need, and where they name a tool or an operation that the program does not have.
     """
     rules.check(toolpath)
-    stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
-    places = tuple(Places.of(toolpath, each.stations) for each in stretches)
-    own = toolpath.most_speed
-    before = [np.where(np.isfinite(feed), feed, 0.0) for feed in (own[each.stations.point] for each in stretches)]
-    work = _Planning(simulation, toolpath, tools, rules, reached, stretches, places, before)
+    moves = FeedMoves.of(simulation, toolpath, tools, rules, reached)
+    work = _Planning(simulation, moves)
     after = work.guessed() if simulation.guessed else work.feeds()
+    kept = sorted(work.kept.items(), key=lambda each: -each[1])
     return FeedPlan(
-        places, tuple(after), work.operation_times(after), tuple(work.teachers), work.overloads(),
-        work.largest(after), tuple(work.notes),
+        moves.places, tuple(after), work.operation_times(after), tuple(work.teachers), work.overloads(),
+        largest_loads(moves, after), tuple(work.notes), tuple(KeptFeed(*each) for each in kept if each[1] >= SHOWN),
     )  # fmt: skip
 
 
 class _Planning:
     """The work on one program."""
 
-    def __init__(
-        self,
-        simulation: CutSimulation,
-        toolpath: ToolPath,
-        tools: Sequence[ToolFigures | None],
-        rules: FeedRules,
-        reached: Floats | None,
-        stretches: list[CutStretch],
-        places: tuple[Places, ...],
-        before: list[Floats],
-    ) -> None:
-        self.simulation, self.toolpath, self.tools, self.rules = simulation, toolpath, tools, rules
-        self.reached, self.stretches, self.places, self.before = reached, stretches, places, before
+    def __init__(self, simulation: CutSimulation, moves: FeedMoves) -> None:
+        self.simulation, self.moves, self.rules = simulation, moves, moves.rules
         self.notes: list[str] = []
         self.teachers: list[Teacher] = []
         self.worst: dict[tuple[str, bool], Overload] = {}
-        self.air_feed = rules.air_feed or max((float(each.max(initial=0.0)) for each in before), default=0.0)
-        if rules.air_feed is None:
+        self.kept: dict[str, float] = defaultdict(float)
+        self.times = np.zeros(2)
+        """Of what is cut: with all teachers, and without the heaviest time [s]."""
+        self.air_feed = self.rules.air_feed or moves.highest
+        if self.rules.air_feed is None:
             feed = f"{self.air_feed * 60e3:g} mm/min"
             self.notes.append(f"in air: {feed}, the highest feed of the program (--air-feed)")
 
     def guessed(self) -> list[Floats]:
-        """The feeds as they are."""
+        """The feeds as they are; what they might be is told."""
+        before = list(self.moves.before)
+        box = guessed_stock(self.moves.toolpath, self.moves.tools).solid.box
+        corners = "" if box is None else f" = {[[round(1e3 * value, 1) for value in corner] for corner in box]}"
+        try:
+            times = np.array([[(each.before, each.after) for each in self.operation_times(self.feeds())]])
+            old, new = times.reshape(-1, 2).sum(axis=0)
+            might = f"; were it that, its {format_time(old)} at feed would be {format_time(new)}"
+        except UsageError as error:
+            might = f"; with a stock that is known it needs more: {error}"
+        self.teachers, self.worst, self.kept = [], {}, defaultdict(float)
         self.notes.append(
-            "the stock is a guess, and on a guess no feed is raised: tell it on the set-up sheet, "
-            "like [stock] box = [[-10, -10, -20], [60, 40, 0]]"
+            "the stock is a guess, and on a guess no feed is raised: tell it on the set-up sheet, like [stock] "
+            f"box{corners}{might}"
         )
-        return self.before
+        return before
 
     def feeds(self) -> list[Floats]:
         """Those by the rules, of each stretch."""
-        taught = self.taught() if self.rules.way == "learned" else {}
-        return [self.of_stretch(k, taught) for k in range(len(self.stretches))]
+        known = taught(self.moves) if self.rules.way == "learned" else {}
+        self.teachers = [each for key in sorted(known) for each in known[key].teachers]
+        found = [self.of_stretch(k, known) for k in range(len(self.moves.stretches))]
+        if self.times[1] > (1.0 + HARDLY) * self.times[0]:
+            self.notes.append(
+                f"the answer hangs on few teachers: without the heaviest {100.0 * HEAVIEST:g} percent of the time what "
+                f"is cut would take {format_time(self.times[1])} in place of {format_time(self.times[0])}; look at them"
+            )
+        self.tell_rubbing()
+        return found
 
-    def of_stretch(self, k: int, taught: Mapping[tuple[str, float], Taken]) -> Floats:
+    def of_stretch(self, k: int, known: Mapping[tuple[str, float], Taught]) -> Floats:
         """(n,) the feeds of stretch k."""
-        stretch, before, rules = self.stretches[k], self.before[k], self.rules
-        name = self.toolpath.operations[stretch.operation].name
-        if name in rules.left_alone:
+        stretch, before, rules = self.moves.stretches[k], self.moves.before[k], self.rules
+        why = np.where(stretch.air, NEAR_CUT if rules.way == "air" else IN_AIR, MAY_CUT)
+        if self.moves.operation(stretch) in rules.left_alone:
+            self.tell_kept(k, before, before, np.full(len(before), LEFT))
             return before
         stands = before <= STANDS
         most = np.maximum(self.air_feed, before)
@@ -186,7 +198,7 @@ class _Planning:
         bound = np.full(len(before), math.inf)
         if rules.way != "air":
             loaded = ~stretch.air & ~stands
-            cap = self.cap(stretch, self.places[k], before, taught)
+            cap, why = self.cap(k, known, why)
             lower = rules.lower or rules.way == "limits"
             bound = np.where(loaded & lower, cap, math.inf)
             cap = np.minimum(cap, most)
@@ -194,104 +206,100 @@ class _Planning:
                 cap = np.minimum(cap, rules.raise_at_most * before)
             speed = np.where(loaded, cap if lower else np.maximum(cap, before), speed)
         if not rules.finishing:
-            speed = np.where(self.finishes(stretch, (speed > before) & ~stands), before, speed)
-        place, steps = self.places[k], rules.steps
+            finishes = self.finishes(stretch, (speed > before) & ~stands)
+            speed, why = np.where(finishes, before, speed), np.where(finishes, FINISHES, why)
+        place, steps = self.moves.places[k], rules.steps
         kept = before
         if (bound < before).any():
             lowered = stepped(place, np.minimum(bound, most.max()), steps)
             within = over_window(place.way, bound, steps.margin, np.minimum)
             kept = np.where(within >= before, before, np.minimum(before, lowered))
         # a step of the feed may be below what the program has, and may keep
-        return np.where(stands, before, np.maximum(stepped(place, speed, steps), kept))
+        found = np.where(stands, before, np.maximum(stepped(place, speed, steps), kept))
+        self.tell_kept(k, before, found, why)
+        return found
 
-    def cap(
-        self, stretch: CutStretch, place: Places, before: Floats, taught: Mapping[tuple[str, float], Taken]
-    ) -> Floats:
-        """(n,) most speed at each station by teachers or limits [m/s]; the program's where neither tells anything."""
-        tool, found = self.tool(stretch), before.copy()
-        speed, spindle = np.maximum(before, 1e-9), self.spindle(stretch)
+    def cap(self, k: int, known: Mapping[tuple[str, float], Taught], why: Ints) -> tuple[Floats, Ints]:
+        """(n,) most speed at each station of stretch k by teachers or limits [m/s], the program's where neither tells
+        anything; and (n,) what holds it."""
+        moves, stretch, before = self.moves, self.moves.stretches[k], self.moves.before[k]
+        tool, found, speed = moves.tool(stretch), before.copy(), np.maximum(before, 1e-9)
         limits = self.rules.limits_of(tool)
-        for turns in np.unique(spindle).tolist():
-            at = spindle == turns
+        why = np.where(why == MAY_CUT, NOT_TOLD, why)
+        for turns, at in moves.by_spindle(stretch):
             if self.rules.way == "learned":
-                taken = taught.get((tool, turns))
-                if not taken:
+                if (tool, turns) not in known:
                     continue
-                forces = self.forces(stretch, stretch.possible, turns)
-                allowed, teacher = learned_speeds(forces, taken, speed)
-                # no feed makes an edge shorter that is longer than any teacher's
-                allowed = np.where(teacher >= 0, allowed, before)
+                loads = moves.forces(stretch, stretch.possible, turns).loads(speed)
+                held, allowed = self.learned(k, known[tool, turns], loads, at)
             elif limits.names:
-                forces = self.forces(stretch, stretch.possible, turns)
-                within = speeds_within(forces, place, limits, max(self.air_feed, float(before.max())))
+                forces = moves.forces(stretch, stretch.possible, turns)
+                within = speeds_within(forces, moves.places[k], limits, max(self.air_feed, float(before.max())))
                 self.tell_overload(stretch, limits, 1.0 + np.where(at, within.exceeded, 0.0), True)
                 allowed = np.where(within.exceeded > 0.0, before, within.speed)
                 self.tell_overload(stretch, limits, np.where(at, before / allowed.clip(1e-12), 0.0), False)
+                loads, held = forces.loads(speed), np.where(within.exceeded > 0.0, EDGES, AT_LIMIT)
             else:
                 break
             # what is cut without a chip that is known has no load that is known
-            allowed = np.where(forces.loads(speed).chip > 0.0, allowed, np.minimum(allowed, before))
+            allowed = np.where(loads.chip > 0.0, allowed, np.minimum(allowed, before))
             found = np.where(at, allowed, found)
-        return found
+            why = np.where(at & (why != IN_AIR), held, why)
+        return found, why
+
+    def learned(self, k: int, known: Taught, loads: CutLoads, at: Bools) -> tuple[Ints, Floats]:
+        """(n,) what holds the speed, and the most speed by teachers, at stations `at` of stretch k."""
+        before = self.moves.before[k]
+        speed = np.maximum(before, 1e-9)
+        found = []
+        for taken in (known.best, known.hardly):
+            allowed, teacher = learned_speeds(loads, taken, speed)
+            # no feed makes an edge shorter that is longer than any teacher's
+            found.append((np.where(teacher >= 0, allowed, before), teacher))
+        cut = at & (loads.chip > 0.0) & (before > STANDS)
+        most = np.maximum(np.minimum(self.air_feed, self.rules.raise_at_most * speed), speed)
+        for j, (allowed, _) in enumerate(found):
+            self.times[j] += self.moves.time(k, np.clip(allowed, speed, most))[cut].sum()
+        allowed, teacher = found[0]
+        return np.where(teacher >= 0, AS_TAUGHT, LONG_EDGE), allowed
+
+    def tell_kept(self, k: int, before: Floats, after: Floats, why: Ints) -> None:
+        """Add for how long feeds (n,) of a stretch stay, and why (n,)."""
+        time = np.where(np.abs(after - before) <= 1e-9 * before, self.moves.time(k, before), 0.0)
+        for each in np.unique(why[time > 0.0]).tolist():
+            self.kept[REASONS[each]] += float(time[why == each].sum())
+
+    def tell_rubbing(self) -> None:
+        """Note how long each tool cuts chips that are thinner than its edge is sharp."""
+        times: dict[str, float] = defaultdict(float)
+        for k, stretch in enumerate(self.moves.stretches):
+            if self.moves.figures(stretch).teeth is None:
+                continue
+            for turns, at in self.moves.by_spindle(stretch, stretch.cutting):
+                forces, feed = self.moves.forces(stretch, stretch.certain, turns), self.moves.before[k]
+                thin = at & (feed / (abs(turns) * forces.tooth_count) < RUBBING)
+                times[self.moves.tool(stretch)] += float(self.moves.time(k, feed)[thin].sum())
+        self.notes += [
+            f"tool {tool}: for {format_time(time)} it cuts less than {1e6 * RUBBING:g} um per tooth, which an edge of "
+            "carbide hardly does: it may rub"
+            for tool, time in times.items() if time > SHOWN
+        ]  # fmt: skip
 
     def tell_overload(self, stretch: CutStretch, limits: CutLimits, share: Floats, always: bool) -> None:
         """Keep the worst place of a tool at which the shares (n,) of its limits are above 1."""
-        k, tool = int(share.argmax()), self.tool(stretch)
+        k, tool = int(share.argmax()), self.moves.tool(stretch)
         if share[k] > 1.0 + 1e-6:
             found = Overload(int(stretch.stations.block[k]), tool, ", ".join(limits.names), float(share[k]), always)
             worst = self.worst.setdefault((tool, always), found)
             if worst.share < found.share:
                 self.worst[tool, always] = found
 
-    def taught(self) -> dict[tuple[str, float], Taken]:
-        """The teachers of each tool at each spindle speed."""
-        found: dict[tuple[str, float], list[tuple[CutStretch, Taken]]] = defaultdict(list)
-        usual = self.cutting_feeds()
-        for stretch, place, before in zip(self.stretches, self.places, self.before):
-            tool = self.tool(stretch)
-            wide = np.maximum(stretch.certain.width, stretch.certain.depth) > WIDE * stretch.resolution
-            may = stretch.cutting & wide & (before <= usual.get(tool, 0.0) * (1.0 + 1e-9))
-            speed = np.minimum(self.speed_reached(stretch), np.maximum(before, 1e-9))
-            spindle = self.spindle(stretch)
-            for turns in np.unique(spindle[may]).tolist():
-                forces = self.forces(stretch, stretch.certain, turns)
-                taken = teachers(forces, speed, place.way, may & (spindle == turns))
-                found[tool, turns].append((stretch, taken))
-        return {key: self.named(key[0], each) for key, each in found.items()}
-
-    def named(self, tool: str, found: list[tuple[CutStretch, Taken]]) -> Taken:
-        """The best of a tool, each told with its place."""
-        lines = np.concatenate([stretch.stations.block[taken.station] for stretch, taken in found])
-        which = np.concatenate([np.full(len(taken), stretch.operation) for stretch, taken in found])
-        begins = np.cumsum([0, *(len(taken) for _, taken in found)])
-        best = best_of(
-            [replace(taken, station=begin + np.arange(len(taken))) for begin, (_, taken) in zip(begins, found)]
-        )
-        for k, at in enumerate(best.station.tolist()):
-            operation = self.toolpath.operations[int(which[at])].name
-            loads = float(best.chip[k]), float(best.area[k]), float(best.edge[k])
-            self.teachers.append(Teacher(int(lines[at]), operation, tool, *loads))
-        return best
-
-    def cutting_feeds(self) -> dict[str, float]:
-        """Of each tool the highest feed at which it surely cuts SHARE of all that it removes [m/s]."""
-        by_tool: dict[str, list[tuple[Floats, Floats]]] = {}
-        for stretch, before in zip(self.stretches, self.before):
-            by_tool.setdefault(self.tool(stretch), []).append((before, stretch.certain.removed))
-        found = {}
-        for tool, parts in by_tool.items():
-            feed, removed = (np.concatenate([part[k] for part in parts]) for k in range(2))
-            order = np.argsort(-feed, kind="stable")
-            enough = np.cumsum(removed[order]) >= SHARE * removed.sum()
-            found[tool] = float(feed[order][enough.argmax()]) if removed.sum() > 0.0 else 0.0
-        return found
-
     def finishes(self, stretch: CutStretch, asked: Bools) -> Bools:
         """(n,) which of some stations make a surface that is left at the end: a larger, lower tool is in it.
 
         A pass that finds nothing more to cut is one of them: it takes what bending left.
         """
-        figures = self.figures(stretch)
+        figures = self.moves.figures(stretch)
         off = stretch.resolution
         wider = replace(
             figures,
@@ -305,91 +313,18 @@ class _Planning:
         found[asked] = depth > 0.5 * off
         return found
 
-    def speed_reached(self, stretch: CutStretch) -> Floats:
-        """(n,) on the way to each station [m/s]."""
-        stations = stretch.stations
-        if self.reached is not None:
-            reached: Floats = self.reached[stations.point]
-            return reached
-        steps = np.linalg.norm(np.diff(stations.tip, axis=0, prepend=stations.tip[:1]), axis=1)
-        moved: Floats = np.divide(steps, stretch.seconds, out=np.zeros(len(steps)), where=stretch.seconds > 0.0)
-        return moved
-
-    def forces(self, stretch: CutStretch, engagement: EngagementTable, turns: float) -> EngagedForces:
-        """Of the tool of a stretch in an engagement, at turns per second [1/s]."""
-        coefficients = self.rules.material_of(self.tool(stretch)) or ANY
-        return EngagedForces(engagement, self.figures(stretch), coefficients, abs(turns))
-
-    def spindle(self, stretch: CutStretch) -> Floats:
-        """(n,) turns per second [1/s], signed by the sense. Raises UsageError where nothing tells them."""
-        figures = self.figures(stretch)
-        speed = self.toolpath.spindle[stretch.stations.point]
-        told = np.isfinite(speed) & (speed != 0.0)
-        if not told.all() and figures.spindle_speed is None:
-            raise UsageError(
-                f"tool {self.tool(stretch)}: the spindle speed is not known; write spindle_speed in its table of the "
-                "set-up sheet"
-            )
-        usual = figures.spindle_speed or 0.0
-        return np.where(told, speed, usual if figures.clockwise else -usual)
-
-    def figures(self, stretch: CutStretch) -> ToolFigures:
-        """Of the tool of a stretch: a stretch without one is not cut."""
-        found = self.tools[stretch.operation]
-        assert found is not None
-        return found
-
-    def tool(self, stretch: CutStretch) -> str:
-        """As the program calls it."""
-        return self.toolpath.operations[stretch.operation].tool
-
-    def largest(self, after: Sequence[Floats]) -> tuple[LargestLoad, ...]:
-        """The largest loads of each tool; of one whose figures do not tell them, none."""
-        found: dict[tuple[str, str], Floats] = {}
-        for stretch, place, *feeds in zip(self.stretches, self.places, self.before, after):
-            tool, figures = self.tool(stretch), self.figures(stretch)
-            try:
-                loads = [self.loads_at(stretch, place, feed) for feed in feeds]
-            except UsageError:
-                continue
-            told = {"chip", "removal_rate"}
-            if self.rules.material_of(tool) is not None:
-                told |= {"force", "torque", "power"} | ({"deflection"} if figures.stick_out is not None else set())
-            for kind in told & set(loads[0]):
-                most = found.setdefault((tool, kind), np.zeros(2))
-                np.maximum(most, [each[kind] for each in loads], out=most)
-        return tuple(LargestLoad(*key, float(a), float(b)) for key, (a, b) in sorted(found.items()))
-
-    def loads_at(self, stretch: CutStretch, place: Places, feed: Floats) -> dict[str, float]:
-        """The largest of each kind along a stretch at feeds (n,)."""
-        way, spindle = np.diff(place.way, prepend=place.way[:1]), self.spindle(stretch)
-        rate = np.divide(stretch.possible.removed, way, out=np.zeros(len(way)), where=way > 0.0) * feed
-        # between two stations the volume is counted in cells: over RATE of them it is known
-        rate = np.convolve(rate, np.full(RATE, 1.0 / RATE), mode="same") if len(way) > RATE else rate
-        largest: dict[str, float] = defaultdict(float, removal_rate=float(rate.max(initial=0.0)))
-        for turns in np.unique(spindle).tolist():
-            loads = self.forces(stretch, stretch.possible, turns).loads(feed)
-            kinds = {
-                "chip": loads.chip, "force": loads.resultant, "torque": np.abs(loads.torque),
-                "power": np.abs(loads.power), "deflection": np.nan_to_num(loads.deflection),
-            }  # fmt: skip
-            for kind, values in kinds.items():
-                largest[kind] = max(largest[kind], float(values[spindle == turns].max(initial=0.0)))
-        return dict(largest)
-
     def overloads(self) -> tuple[Overload, ...]:
         """The worst first."""
         return tuple(sorted(self.worst.values(), key=lambda each: -each.share))
 
     def operation_times(self, after: Sequence[Floats]) -> tuple[OperationFeeds, ...]:
         """By operation, in the order of the program."""
-        times = np.zeros((len(self.toolpath.operations), 2))
-        for stretch, place, *feeds in zip(self.stretches, self.places, self.before, after):
-            way = np.diff(place.way, prepend=place.way[:1])
-            for k, feed in enumerate(feeds):
-                times[stretch.operation, k] += np.divide(way, feed, out=np.zeros(len(way)), where=feed > 0.0).sum()
+        operations = self.moves.toolpath.operations
+        times = np.zeros((len(operations), 2))
+        for k, stretch in enumerate(self.moves.stretches):
+            times[stretch.operation] += [self.moves.time(k, each[k]).sum() for each in (self.moves.before, after)]
         return tuple(
             OperationFeeds(each.name, each.tool, float(old), float(new))
-            for each, (old, new) in zip(self.toolpath.operations, times)
+            for each, (old, new) in zip(operations, times)
             if old > 0.0
         )

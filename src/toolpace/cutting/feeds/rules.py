@@ -9,6 +9,7 @@ from typing import Literal, get_args
 
 from toolpace.common.arrays import number
 from toolpace.common.errors import UsageError, did_you_mean
+from toolpace.cutting.feeds.learned import Teacher
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.schedule import Steps
 from toolpace.machine.cutting_tool import Coefficients
@@ -40,6 +41,10 @@ class FeedRules:
     """By tool likewise."""
     left_alone: frozenset[str] = frozenset()
     """Names of operations whose feeds stay."""
+    not_teaching: frozenset[str] = frozenset()
+    """Names of operations, and numbers of lines, that teach nothing."""
+    teachers: tuple[Teacher, ...] = ()
+    """Those of other programs of the same shop and material; of a tool with the same figures they teach too."""
 
     def __post_init__(self) -> None:
         if self.way not in WAYS:
@@ -66,7 +71,8 @@ class FeedRules:
     def check(self, toolpath: ToolPath) -> None:
         """Raise UsageError for a tool or an operation that a program does not have."""
         _check_names("tool", {*self.limits, *self.materials} - {""}, (each.tool for each in toolpath.operations))
-        _check_names("operation", self.left_alone, (each.name for each in toolpath.operations))
+        for named in (self.left_alone, {each for each in self.not_teaching if not each.isdigit()}):
+            _check_names("operation", named, (each.name for each in toolpath.operations))
 
 
 def _check_names(kind: str, named: Iterable[str], there: Iterable[str]) -> None:

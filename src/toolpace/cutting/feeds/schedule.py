@@ -17,6 +17,9 @@ from toolpace.common.arrays import Floats, number
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.programs.toolpath import ToolPath
 
+AT_A_POINT = 1e-6
+"""Share of a way from its end within which a place is at the end itself."""
+
 
 @dataclass(frozen=True)
 class Steps:
@@ -89,15 +92,26 @@ def over_window(way: Floats, values: Floats, reach: float, extreme: np.ufunc) ->
     return found
 
 
-def ends_of_pieces(places: list[Places], feeds: list[Floats]) -> tuple[Floats, Floats]:
-    """Where pieces of one feed end (k,), as places of the program, and their feeds (k,); nan where it stays."""
+def ends_of_pieces(places: list[Places], feeds: list[Floats], own: Floats) -> tuple[Floats, Floats]:
+    """Where pieces of one feed end (k,), as places of the program, and their feeds (k,); nan where it stays.
+
+    own: (points,) speed on the way to each point at the program's own feed [m/s]. A way that is too short to have a
+    station keeps it, or gets what the way behind it is lowered to where that is slower.
+    """
     x: list[Floats] = []
     values: list[Floats] = []
     for place, feed in zip(places, feeds):
         ends = np.flatnonzero(np.append(np.diff(feed[1:]) != 0.0, True)) + 1
-        # up to the stretch the program's own feed holds
-        x += [place.x[:1], place.x[ends]]
-        values += [np.array([np.nan]), feed[ends]]
+        point = np.ceil(place.x - AT_A_POINT).astype(np.int64)
+        before = np.append(point[:1], np.ceil(place.x[:-1] - AT_A_POINT).astype(np.int64))
+        jumps = np.flatnonzero(point - before > 1)
+        station = np.repeat(jumps, point[jumps] - before[jumps] - 1)
+        skipped = np.concatenate([np.zeros(0, dtype=np.int64), *(np.arange(before[k] + 1, point[k]) for k in jumps)])
+        cap = np.where(feed[station] < own[point[station]] * (1.0 - 1e-9), feed[station], np.inf)
+        # up to the stretch, and up to what is skipped, the feed of the program, or that of the station before
+        around = before[jumps].astype(np.float64)
+        x += [place.x[:1], place.x[ends], around, skipped.astype(np.float64)]
+        values += [np.array([np.nan]), feed[ends], feed[jumps - 1], np.minimum(own[skipped], cap)]
     ends_at, of = (np.concatenate([np.zeros(0), *each]) for each in (x, values))
     order = np.argsort(ends_at, kind="stable")
     return ends_at[order], of[order]

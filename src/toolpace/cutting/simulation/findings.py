@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.cutting.engagement.stations import Stations
+from toolpace.cutting.simulation.left_above_part import LeftRegion
 from toolpace.programs.toolpath import Operation
 
-FindingKind = Literal["rapid", "holder", "shank", "gouge", "flute", "air"]
+FindingKind = Literal["rapid", "holder", "shank", "gouge", "flute", "left", "air"]
 COLLISIONS: tuple[FindingKind, ...] = ("rapid", "holder", "shank", "gouge", "flute")
-"""Kinds that spoil tool, part or machine: the command ends with 1. What cuts air only wastes time."""
+"""Kinds that spoil tool, part or machine: the command ends with 1. What cuts air only wastes time, and what is left may
+be for another program."""
 WORDS: dict[FindingKind, str] = {
     "rapid": "rapid through",
     "holder": "holder in",
     "shank": "shank in",
     "gouge": "cuts into",
     "flute": "cuts above its flutes in",
+    "left": "material left above",
     "air": "feed in air, never in",
 }
 STOCK, PART = "stock", "finished part"
@@ -39,9 +42,9 @@ class Finding:
     body: str
     """What is met: the stock, the finished part, or a fixture by its name."""
     depth: float
-    """How deep in it, at the worst place [m]; 0 of `air`."""
+    """How deep in it, at the worst place [m]; 0 of `air`; of `left` how high above it."""
     place: tuple[float, float, float]
-    """Of the tip, there, in the frame of the part [m]."""
+    """Of the tip, there, in the frame of the part [m]; of `left` of the material itself."""
     time: float
     """When it is passed [s]."""
     seconds: float
@@ -55,6 +58,14 @@ class Finding:
     def collision(self) -> bool:
         """Whether it spoils tool, part or machine."""
         return self.kind in COLLISIONS
+
+
+class FeedWay(NamedTuple):
+    """Stations at feed of one operation."""
+
+    stations: Stations
+    name: str
+    tool: str
 
 
 @dataclass(frozen=True)
@@ -168,6 +179,32 @@ def _air_of(stations: Stations, air: Bools, operation: str, tool: str) -> list[F
             place, time = _place(stations, first - 1), float(stations.time[first - 1])
             found.append(Finding("air", line, operation, tool, STOCK, 0.0, place, time, took, line))
         before = k
+    return found
+
+
+def left_findings(regions: Sequence[LeftRegion], certain: Bools, feeds: Sequence[FeedWay]) -> list[Finding]:
+    """What is left above the finished part, each region with the block whose tip comes nearest to it.
+
+    certain: (k,) whether it is left wherever the stock ends. feeds: the ways at feed; none: no block is named.
+    """
+    from scipy.spatial import cKDTree
+
+    if not regions:
+        return []
+    tips = np.concatenate([np.zeros((0, 3)), *(each.stations.tip for each in feeds)])
+    which = np.repeat(np.arange(len(feeds)), [len(each.stations) for each in feeds])
+    first = np.cumsum([0, *(len(each.stations) for each in feeds)])
+    tree, found = cKDTree(tips), []
+    for region, sure in zip(regions, certain.tolist()):
+        line, name, tool, time = 0, "", "", 0.0
+        k = int(tree.query(region.place)[1])
+        if k < len(tips):
+            way = feeds[which[k]]
+            at = int(k - first[which[k]])
+            line, time = int(way.stations.block[at]), float(way.stations.time[at])
+            name, tool = way.name, way.tool
+        x, y, z = region.place.tolist()
+        found.append(Finding("left", line, name, tool, PART, region.height, (x, y, z), time, 0.0, line, sure))
     return found
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from toolpace.common.errors import UsageError
 from toolpace.cutting.simulation.simulate import Surroundings, ToolInUse
 from toolpace.cutting.simulation.stock_range import StockRange
-from toolpace.cutting.stock.dexels import DexelStock
+from toolpace.cutting.stock.dexels import DexelStock, resolution_within
 from toolpace.cutting.stock.solids import Body, body_of, check_stock_place, guessed_stock
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.machine.machine import Machine
@@ -74,12 +74,16 @@ def stock_range(
     tools: Sequence[ToolInUse | None],
     resolution: float | None,
     memory: float,
+    finest: float = 0.0,
 ) -> tuple[StockRange, list[str]]:
     """The stock of the sheet, else that of the program, else a guess; and what is assumed of it, a sentence each.
 
-    With it the same smaller and larger by its uncertainty. Raises UsageError where it is none, or lies elsewhere.
+    With it the same smaller and larger by its uncertainty. finest: of cells [m], where no resolution is wanted.
+    Raises UsageError where it is none, or lies elsewhere.
     """
     figures, body = stock_body(toolpath, setup, machine, tools)
+    if resolution is None and finest > 0.0:
+        resolution = max(resolution_within(*body.bounds, memory / 3.0), finest)
     nominal = dexels(body, resolution, memory / 3.0)
     notes = [f"stock: {note}" for note in body.notes]
     if figures.guessed or figures.uncertainty == 0.0:
@@ -112,7 +116,11 @@ def surroundings(setup: SetUp, machine: Machine, resolution: float, memory: floa
     workpiece = setup.workpiece
     part = workpiece.finished_part
     fixtures = {name: around(solid) for name, solid in workpiece.fixtures}
-    return Surroundings(None if part is None else around(part), workpiece.gouge_tolerance, fixtures)
+    if part is None:
+        return Surroundings(fixtures=fixtures)
+    body = body_of(part, machine, setup)
+    finished = dexels(body, resolution, memory)
+    return Surroundings(finished, workpiece.gouge_tolerance, fixtures, body.triangles())
 
 
 def dexels(body: Body, resolution: float | None, memory: float) -> DexelStock:

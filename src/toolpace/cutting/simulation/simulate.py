@@ -26,14 +26,18 @@ from toolpace.cutting.simulation.findings import (
     PART,
     STOCK,
     Contact,
+    FeedWay,
     Finding,
     FindingKind,
     air_findings,
     findings_of,
+    left_findings,
     worst_first,
 )
+from toolpace.cutting.simulation.left_above_part import LeftAbovePart, left_above_part
 from toolpace.cutting.simulation.operation_cut import CutStretch, OperationCut, feed_and_rapid, operation_cut
 from toolpace.cutting.simulation.stock_range import Met, Solids, Stock, StockRange, meet_all
+from toolpace.cutting.stock.dexels import DexelStock
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import Operation
@@ -61,6 +65,8 @@ class Surroundings:
     gouge_tolerance: float = 0.0
     """By how much the tool may be below the finished part [m]."""
     fixtures: Mapping[str, Stock] | None = None
+    part_mesh: Floats | None = None
+    """The finished part as triangles (n, 3, 3) [m]: what is left above it is told; None: it is not."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,6 +89,8 @@ class CutSimulation:
     """Size of a cell [m]."""
     smallest_contact: float
     """Collisions less deep may not be seen [m]."""
+    above_part: LeftAbovePart | None = None
+    """What is left above the finished part; None without one, and of a guessed stock."""
     assumed: tuple[str, ...] = ()
     """What stands in for what nobody told, a sentence each."""
 
@@ -162,6 +170,10 @@ def cut_stations(
         if tool is not None and (k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation):
             after_operation(ended, stock.nominal)
             ended += 1
+    above = None
+    if surroundings.part_mesh is not None and not stock.guessed:
+        above, more = _left(stretches, operations, stock, surroundings, TOLD * resolution)
+        findings += more
     by_operation = [[each for each in stretches if each.operation == k] for k in range(len(operations))]
     if not stock.guessed:
         findings += air_findings(stretches, operations)
@@ -178,8 +190,30 @@ def cut_stations(
         left=stock,
         resolution=resolution,
         smallest_contact=UNSEEN * resolution,
+        above_part=above,
         assumed=tuple(assumed),
     )
+
+
+def _left(
+    stretches: Sequence[CutStretch],
+    operations: Sequence[Operation],
+    stock: StockRange,
+    surroundings: Surroundings,
+    least: float,
+) -> tuple[LeftAbovePart, list[Finding]]:
+    """What is left above the finished part, from `least` [m] on, and the findings of it."""
+    assert surroundings.part_mesh is not None
+    nominal, smallest = stock.nominal, stock.smallest
+    assert isinstance(nominal, DexelStock) and isinstance(smallest, DexelStock)
+    above = left_above_part(nominal, surroundings.part_mesh, max(surroundings.gouge_tolerance, least))
+    middles = np.array([0.5 * (each.place + each.foot) for each in above.regions]).reshape(-1, 3)
+    feeds = [
+        FeedWay(each.stations, operations[each.operation].name, operations[each.operation].tool)
+        for each in stretches
+        if not each.rapid
+    ]
+    return above, left_findings(above.regions, smallest.contains(middles), feeds)
 
 
 def reach_of(figures: ToolFigures) -> float:

@@ -111,8 +111,6 @@ class DexelStock:
 
         UsageError for a mesh that is open or inside out.
         """
-        from toolpace.kernels.cutting.casting import crossings, fill
-
         corners = numbers(triangles, "stock: triangles", ("n", 3, 3), unit="m")
         if not len(corners):
             raise UsageError("stock: the mesh has no triangle; give a closed mesh")
@@ -121,17 +119,7 @@ class DexelStock:
         corners = np.ascontiguousarray(corners @ FRAME.T)
         stock = _empty(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), resolution, memory)
         stock.bounds = around
-        wrong = 0
-        for d in range(3):
-            rays = int(stock.field.first[d + 1] - stock.field.first[d])
-            counts = np.zeros(rays + 1, np.int64)
-            crossings(stock.field, corners, d, counts, np.empty(0), np.empty(0, np.int64))
-            offset = np.concatenate([[0], np.cumsum(counts[:-1])])
-            places, ways = np.empty(offset[-1]), np.empty(offset[-1], np.int64)
-            crossings(stock.field, corners, d, offset.copy(), places, ways)
-            stock.spare(int(np.maximum(counts // 2 - 1, 0).sum()))
-            wrong += fill(stock.field, d, offset, places, ways)
-        if wrong:
+        if wrong := _cast(stock, corners):
             raise UsageError(
                 f"stock: {wrong} of {stock.field.first[3]} rays do not leave the mesh as they enter it; "
                 "give a closed mesh whose triangles are counterclockwise seen from outside"
@@ -262,6 +250,38 @@ class DexelStock:
                 ray = work(self.field, target.field, d, distance, ray)
         return target
 
+    def on_same_rays(self, triangles: Floats) -> DexelStock:
+        """A closed mesh (n, 3, 3) [m] as material on the rays of this stock, as far as they see it."""
+        stock = _rays(self.field.origin, self.field.step, self.field.cells)
+        stock.bounds = self.bounds
+        _cast(stock, np.ascontiguousarray(triangles @ FRAME.T))
+        return stock
+
+    def intervals(self) -> tuple[Ints, Floats, Floats]:
+        """Ray (k,), begin and end (k,) along it [m] of each interval of material."""
+        field = self.field
+        ray = np.flatnonzero(field.low[: field.first[3]] <= field.high[: field.first[3]])
+        node, rays, nodes = ray, [ray], [ray]
+        while len(node):
+            more = field.following[node] >= 0
+            ray, node = ray[more], field.following[node[more]]
+            rays.append(ray)
+            nodes.append(node)
+        every = np.concatenate(nodes)
+        return np.concatenate(rays), field.low[every], field.high[every]
+
+    def places_on(self, rays: Ints, along: Floats) -> Floats:
+        """(k, 3) the places on rays (k,), so far along them (k,) [m], in the frame of the part."""
+        field, found = self.field, np.empty((len(rays), 3))
+        direction = np.searchsorted(field.first, rays, side="right") - 1
+        for d in range(3):
+            here, u, v = direction == d, (d + 1) % 3, (d + 2) % 3
+            row, column = np.divmod(rays[here] - field.first[d], field.cells[u])
+            found[here, u] = field.origin[u] + (column + 0.5) * field.step[u]
+            found[here, v] = field.origin[v] + (row + 0.5) * field.step[v]
+            found[here, d] = along[here]
+        return np.asarray(found @ FRAME)
+
     def blocks(self) -> Blocks:
         """Where each block of rays has material."""
         from toolpace.kernels.cutting.intrusion import BLOCK, Blocks, blocks_of
@@ -316,6 +336,24 @@ def _box_triangles(low: Floats, high: Floats) -> Floats:
         square[0] = square[0, ::-1]
         found += [square[:, [0, 1, 2]], square[:, [0, 2, 3]]]
     return np.concatenate(found)
+
+
+def _cast(stock: DexelStock, corners: Floats) -> int:
+    """Put a mesh (n, 3, 3), in the frame of the rays, into a stock; return how many rays do not leave it as they enter
+    it."""
+    from toolpace.kernels.cutting.casting import crossings, fill
+
+    wrong = 0
+    for d in range(3):
+        rays = int(stock.field.first[d + 1] - stock.field.first[d])
+        counts = np.zeros(rays + 1, np.int64)
+        crossings(stock.field, corners, d, counts, np.empty(0), np.empty(0, np.int64))
+        offset = np.concatenate([[0], np.cumsum(counts[:-1])])
+        places, ways = np.empty(offset[-1]), np.empty(offset[-1], np.int64)
+        crossings(stock.field, corners, d, offset.copy(), places, ways)
+        stock.spare(int(np.maximum(counts // 2 - 1, 0).sum()))
+        wrong += fill(stock.field, d, offset, places, ways)
+    return wrong
 
 
 def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:

@@ -32,10 +32,10 @@ RESULTS = {"plan": "report.html", "export": "report.html", "time": TIMED, "inspe
 RECORD = "plan.json"
 """What it leads to where the report is left out."""
 HEADINGS = (
-    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("Gap", "n"),
+    ("Program", ""), ("Machine", ""), ("Result", ""), ("Time", "n"), ("Optimum", "n"), ("In air", "n"), ("Gap", "n"),
     ("Blocks", "n"), ("Tip", "n"), ("Axis", "n"), ("Feed", ""), ("Took", "n"), ("Limited by, or what is wrong", ""),
 )  # fmt: skip
-OPTIONAL = {"Optimum", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
+OPTIONAL = {"Optimum", "In air", "Gap", "Feed", "Limited by, or what is wrong", "Machine"}
 """Columns that are left out where no row has anything in them."""
 Number = TypeVar("Number", int, float)
 Cell = tuple[str, float | None, str]
@@ -82,7 +82,7 @@ def write_tables(folder: Path, rows: Sequence[BatchRow]) -> list[str]:
     if write_rows(folder / PARQUET, rows):
         written.append(PARQUET)
     with whole_file(folder / PAGE) as temporary:
-        temporary.write_text(batch_page(rows), encoding="utf-8")
+        temporary.write_text(batch_page(folder, rows), encoding="utf-8")
     return [*written, PAGE]
 
 
@@ -97,7 +97,10 @@ def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
         "program", "machine", "what", "planner", "effort", "feed", "verdict", "error", "folder", "exported", "key",
         "worker",
     )  # fmt: skip
-    figures = ("tip_tolerance_mm", "axis_tolerance_deg", "duration_s", "optimum_s", "lower_bound_s", "gap", "seconds")
+    figures = (
+        "tip_tolerance_mm", "axis_tolerance_deg", "duration_s", "optimum_s", "air_s", "material_s", "lower_bound_s",
+        "gap", "seconds",
+    )  # fmt: skip
     columns = {name: pa.array([getattr(row, name) for row in rows], pa.string()) for name in text}
     columns |= {name: pa.array([getattr(row, name) for row in rows], pa.float64()) for name in figures}
     columns["limit"] = pa.array([row.limit for row in rows], pa.string())
@@ -110,9 +113,9 @@ def write_rows(file: Path, rows: Sequence[BatchRow]) -> bool:
     return True
 
 
-def batch_page(rows: Sequence[BatchRow]) -> str:
-    """The whole HTML text."""
-    table = [_cells(row) for row in rows]
+def batch_page(folder: Path, rows: Sequence[BatchRow]) -> str:
+    """The whole HTML text; rows lead to the files of their jobs that are in the folder of the batch."""
+    table = [_cells(folder, row) for row in rows]
     shown = [k for k, (name, _) in enumerate(HEADINGS) if name not in OPTIONAL or any(cells[k][0] for cells in table)]
     head = "".join(f'<th class="{HEADINGS[k][1]}">{HEADINGS[k][0]}</th>' for k in shown)
     done = sum(row.verdict != WAITING for row in rows)
@@ -160,7 +163,7 @@ def _cards(rows: Sequence[BatchRow]) -> str:
     return shell.cards(cards)
 
 
-def _cells(row: BatchRow) -> list[Cell]:
+def _cells(folder: Path, row: BatchRow) -> list[Cell]:
     """In the order of the headings."""
     verdict = "good" if row.verdict in GOOD else "quiet" if row.verdict == WAITING else "bad"
     limits = ", ".join(
@@ -169,11 +172,12 @@ def _cells(row: BatchRow) -> list[Cell]:
         if share >= 0.01
     )
     return [
-        (_linked(row), None, ""),
+        (_linked(folder, row), None, ""),
         (escape(row.machine), None, ""),
         (escape(row.verdict), None, verdict),
         _figure(row.duration_s, format_time),
         _figure(row.optimum_s, format_time),
+        _figure(row.air_s, format_time),
         _figure(row.gap, at_most),
         _figure(row.blocks, str),
         _figure(row.tip_tolerance_mm, lambda value: f"{1e3 * value:.4g} µm"),
@@ -190,12 +194,11 @@ def _figure(value: Number | None, show: Callable[[Number], str]) -> Cell:
     return escape(show(value)), float(value), "n"
 
 
-def _linked(row: BatchRow) -> str:
-    """The program, leading to what came of it."""
-    if not row.folder:
-        return escape(row.program)
-    target = quote(f"{row.folder}/{RESULTS[row.what] if row.report else RECORD}")
-    return f'<a href="{escape(target)}">{escape(row.program)}</a>'
+def _linked(folder: Path, row: BatchRow) -> str:
+    """The program, leading to what came of it: to the report, or where there is none to the figures."""
+    files = (f"{row.folder}/{name}" for name in ((RESULTS[row.what],) if row.report else ()) + (RECORD,))
+    target = next((name for name in files if row.folder and (folder / name).is_file()), "")
+    return f'<a href="{escape(quote(target))}">{escape(row.program)}</a>' if target else escape(row.program)
 
 
 def _html(cell: Cell) -> str:

@@ -185,6 +185,10 @@ class BatchRow(msgspec.Struct, frozen=True, kw_only=True):
     """Of the plan; of `time`, on the control."""
     optimum_s: float | None = None
     """Of `time`: of the fastest motion."""
+    air_s: float | None = None
+    """Time at feed in which nothing is cut, where the set-up sheet names a stock."""
+    material_s: float | None = None
+    """Time at feed in which something is."""
     lower_bound_s: float | None = None
     gap: float | None = None
     limited_by: dict[str, float] = {}

@@ -1,6 +1,6 @@
-"use strict";
 // Sorts the table by a column, and hides the rows that do not have the words looked for.
 (() => {
+  watchTheme();
   const table = document.getElementById("rows"), body = table.tBodies[0], heads = [...table.tHead.rows[0].cells];
   const value = (row, column) => {
     const cell = row.cells[column], number = cell.dataset.value;

@@ -51,12 +51,12 @@ class Place:
         return Path(self.folder)
 
 
-def do_job(place: Place, prepared: Prepared) -> BatchRow:
-    """Carry out one job; a row in any case."""
+def do_job(place: Place, prepared: Prepared, steps: TimedSteps | None = None) -> BatchRow:
+    """Carry out one job, and tell its `steps`; a row in any case."""
     try:
         folder = place.found()
         # A batch that was killed may have left its jobs with the cluster: they end, and are found.
-        return done_before(folder, prepared) or _DOERS[prepared.job.what](folder, prepared)
+        return done_before(folder, prepared) or _DOERS[prepared.job.what](folder, prepared, steps or TimedSteps())
     except ToolpaceError as error:
         return failed(prepared, error)
 
@@ -80,7 +80,7 @@ def done_before(folder: Path, prepared: Prepared) -> BatchRow | None:
     return msgspec.structs.replace(row, found=True)
 
 
-def _plan(folder: Path, prepared: Prepared) -> BatchRow:
+def _plan(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.jobs import job as jobs
     from toolpace.programs.tolerances import Tolerances
 
@@ -104,7 +104,7 @@ def _plan(folder: Path, prepared: Prepared) -> BatchRow:
         tool=prepared.tool,
         source=prepared.source,
     )
-    record, _ = jobs.carry_out(task, TimedSteps())
+    record, _ = jobs.carry_out(task, steps)
     return _row_of_plan(prepared, record)
 
 
@@ -114,6 +114,8 @@ def _row_of_plan(prepared: Prepared, record: PlanRecord) -> BatchRow:
         machine=record.machine,
         verdict="verified" if record.verified and record.usage.worst <= PROMISED else "failed",
         duration_s=record.duration_s,
+        air_s=None if record.cut is None else record.cut.air_s,
+        material_s=None if record.cut is None else record.cut.cutting_s,
         lower_bound_s=record.lower_bound_s,
         gap=record.gap,
         limited_by=record.limited_by,
@@ -134,13 +136,13 @@ def _unchanged(folder: Path, main: str) -> Path:
     return folder
 
 
-def _export(folder: Path, prepared: Prepared) -> BatchRow:
+def _export(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.controls.export import PlannedMotion, target_of, write_export
 
     try:
         row = _planned(folder, prepared)
     except (ToolpaceError, OSError):
-        row = _plan(folder, prepared)
+        row = _plan(folder, prepared, steps)
     name = _export_name(prepared)
     target = target_of(prepared.job.to or "", dict(prepared.job.export))
     write_export(PlannedMotion.load(folder / prepared.folder), target, folder / name)
@@ -158,7 +160,7 @@ def _export_name(prepared: Prepared) -> str:
     return f"{prepared.folder}-{prepared.job.to}"
 
 
-def _time(folder: Path, prepared: Prepared) -> BatchRow:
+def _time(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.jobs.timed import TimeRequest, time_record, timed
 
     job = prepared.job
@@ -171,17 +173,20 @@ def _time(folder: Path, prepared: Prepared) -> BatchRow:
         tolerances=(job.tip_tolerance, job.axis_tolerance),
         optimum=job.optimum,
     )
-    found = timed(prepared.path, request, TimedSteps(), prepared.source)
+    found = timed(prepared.path, request, steps, prepared.source)
     return _row_of_time(prepared, _write(folder, TIMED, prepared, time_record(found, prepared.machine.name)))
 
 
 def _row_of_time(prepared: Prepared, figures: Mapping[str, Any]) -> BatchRow:
+    cut = figures.get("cut") or {}
     return msgspec.structs.replace(
         waiting(prepared.job),
         machine=prepared.machine.name,
         verdict="timed",
         duration_s=figures["total_s"],
         optimum_s=figures["optimum_s"],
+        air_s=cut.get("air_s"),
+        material_s=cut.get("cutting_s"),
         blocks=figures["blocks"],
         folder=prepared.folder,
         key=prepared.key,
@@ -192,7 +197,7 @@ def _timed(folder: Path, prepared: Prepared) -> BatchRow:
     return _row_of_time(prepared, _figures(folder, TIMED, prepared))
 
 
-def _inspect(folder: Path, prepared: Prepared) -> BatchRow:
+def _inspect(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.jobs.inspection import follow_as_planned, inspection_record
     from toolpace.programs.reading.inspection import inspect_source
 
@@ -235,7 +240,7 @@ def _figures(folder: Path, name: str, prepared: Prepared) -> dict[str, Any]:
     return figures
 
 
-_DOERS: dict[str, Callable[[Path, Prepared], BatchRow]] = {
+_DOERS: dict[str, Callable[[Path, Prepared, TimedSteps], BatchRow]] = {
     "plan": _plan, "time": _time, "inspect": _inspect, "export": _export
 }  # fmt: skip
 _READERS: dict[str, Callable[[Path, Prepared], BatchRow]] = {

@@ -25,6 +25,8 @@ from toolpace.common.files import whole_folder
 from toolpace.common.units import MILLIMETRE
 from toolpace.results.cut.page import cut_page
 from toolpace.results.cut.record import MM3, cut_record
+from toolpace.results.workpiece.stock_stages import Cut
+from toolpace.results.workpiece.view import WorkpieceView, cuts_of, view_of_cut
 
 if TYPE_CHECKING:
     from toolpace.cutting.engagement.table import EngagementTable
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.cutting.simulation.stock_range import Stock
     from toolpace.motion.trajectory import Trajectory
+    from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.toolpath import ToolPath
 
 RECORD, ENGAGEMENT = "cut.json", "engagement.parquet"
@@ -50,6 +53,11 @@ class ProgramCut(Protocol):
     def trajectory(self) -> Trajectory: ...
     @property
     def simulation(self) -> CutSimulation: ...
+    @property
+    def setup(self) -> SetUp: ...
+    @property
+    def text(self) -> bytes:
+        """What its file holds."""
 
 
 @contextmanager
@@ -92,10 +100,28 @@ class CutFolder:
         (self.folder / RECORD).write_text(text + "\n", encoding="utf-8")
         write_engagement(self.folder / ENGAGEMENT, [each.simulation for each in found])
         pages = [f"cut-{k + 1}.html" for k in range(len(found))]
-        for name, each in zip(pages, found):
-            page = cut_page(each.simulation, each.trajectory, each.toolpath, each.program, self.machine)
+        for name, each, view in zip(pages, found, views_in_turn(found)):
+            page = cut_page(
+                each.simulation, each.trajectory, each.toolpath, view, each.program, self.machine, each.text
+            )
             (self.folder / name).write_text(page, encoding="utf-8")
         return [RECORD, ENGAGEMENT, *self.files, *reversed(pages)]
+
+
+def views_in_turn(found: Sequence[ProgramCut]) -> Iterator[WorkpieceView]:
+    """What is to be seen of programs of which each cuts what the one before left."""
+    from toolpace.cutting.simulation import set_up
+
+    stock: Floats | None = None
+    before: list[Cut] = []
+    for each in found:
+        machine = each.trajectory.axis_path.machine
+        assert machine is not None
+        tools, _ = set_up.tools_in_use(each.toolpath, each.setup)
+        if stock is None:
+            stock = set_up.stock_body(each.toolpath, each.setup, machine, tools)[1].triangles()
+        yield view_of_cut(each.simulation, each.trajectory, each.toolpath, each.setup, stock, before)
+        before = before + cuts_of(each.simulation, tools)
 
 
 def write_stl(file: Path, triangles: Floats) -> None:

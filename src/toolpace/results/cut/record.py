@@ -13,6 +13,7 @@ MM3 = MILLIMETRE**3
 
 def cut_record(simulation: CutSimulation, program: str, machine: str) -> dict[str, object]:
     """The entry of one program."""
+    above = simulation.above_part
     return {
         "program": printable(program),
         "machine": machine,
@@ -22,6 +23,8 @@ def cut_record(simulation: CutSimulation, program: str, machine: str) -> dict[st
         "left_mm3": simulation.left_volume / MM3,
         "resolution_mm": simulation.resolution / MILLIMETRE,
         "smallest_contact_mm": simulation.smallest_contact / MILLIMETRE,
+        "left_above_part_mm": None if above is None else above.height / MILLIMETRE,
+        "left_above_part_mm3": None if above is None else above.volume / MM3,
         "uncertainty_mm": simulation.uncertainty / MILLIMETRE,
         "air_s": simulation.air,
         "cutting_s": simulation.cutting,

@@ -11,8 +11,10 @@ from toolpace.common.files import whole_file
 from toolpace.motion.setpoints import SetPointSource
 
 if TYPE_CHECKING:
+    from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.judge import Verification
     from toolpace.motion.trajectory import Trajectory
+    from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.report.charts import Curves
     from toolpace.results.report.key_figures import PlanFigures
@@ -60,11 +62,17 @@ def write_report(
     figures: PlanFigures | None = None,
     curves: Curves | None = None,
     program: bytes | None = None,
+    setup: SetUp | None = None,
+    cut: CutSimulation | None = None,
 ) -> None:
     """Write the report from set-points that were sampled already; `figures` are those of plan.json, where there is
-    one, `curves` those of the set-points, where they have been gathered, and `program` is what its file holds."""
+    one, `curves` those of the set-points, where they have been gathered, `program` is what its file holds, and the
+    stock of `setup` is cut along the motion, as in `cut` where that was simulated."""
     from toolpace.results.report.page import report_page
+    from toolpace.results.workpiece.view import view_of_plan
+
+    workpiece = None if setup is None else view_of_plan(trajectory, toolpath, setup, cut)
 
     with whole_file(path) as temporary:
-        page = report_page(trajectory, setpoints, toolpath, verification, figures, curves, program)
+        page = report_page(trajectory, setpoints, toolpath, verification, figures, curves, program, workpiece)
         temporary.write_text(page, encoding="utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -22,6 +23,8 @@ from toolpace.results.report.charts import extremes
 if TYPE_CHECKING:
     from toolpace.deflection.following import SetPoint
 
+SCRIPTS = ("playback", "tracks", "run", "program", "transport")
+"""Scripts of the player on which that of the page stands."""
 CURVE = 6000
 """Points of each curve over time."""
 WAY = 3000
@@ -71,8 +74,10 @@ def _page(setpoints: Sequence[SetPoint], machine: Machine, errors: Mapping[str, 
         "cards": _cards(setpoints, used, errors),
         "points": f"{len(setpoints):,}".replace(",", " "),
     }
-    data = _data(setpoints, machine, used, errors)
-    return shell.whole_page("toolpace.results.report", "followed", title, fields, data)
+    data, times = _data(setpoints, machine, used, errors)
+    magnified = f"What the tip is off by is drawn {times:,.0f} times as large." if errors else ""
+    fields["magnified"] = magnified
+    return shell.whole_page("toolpace.results.report", "followed", title, fields, data, SCRIPTS)
 
 
 def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Mapping[str, Floats]) -> str:
@@ -82,7 +87,7 @@ def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Ma
     worst = max(used, key=lambda kind: float(used[kind][2].max()))
     cards = [("Time", format_time(t[-1]), f"up to {format_time(setpoints[-1].path_time)} of the plan")]
     for name, error in errors.items():
-        size = 1e6 * np.linalg.norm(error, axis=1)
+        size = 1e6 * _finite(np.linalg.norm(error, axis=1))
         begun = np.flatnonzero(size > 0.05 * size.max())
         settled = size[t >= t[begun[0] if len(begun) else 0] + SETTLED]
         rms = float(np.sqrt((settled**2).mean())) if len(settled) else 0.0
@@ -95,8 +100,9 @@ def _cards(setpoints: Sequence[SetPoint], used: Mapping[str, Floats], errors: Ma
 
 def _data(
     setpoints: Sequence[SetPoint], machine: Machine, used: Mapping[str, Floats], errors: Mapping[str, Floats]
-) -> str:
-    """All that the script draws, as JSON that cannot end the element it stands in."""
+) -> tuple[str, float]:
+    """All that the script draws, as JSON that cannot end the element it stands in; and how many times as large as it is
+    an error is drawn."""
     q = np.array([each.q - each.correction[0] for each in setpoints])
     at = np.linspace(0, len(q) - 1, min(len(q), WAY)).astype(np.int64)
     tip = machine.forward(q[at])[0]
@@ -104,7 +110,8 @@ def _data(
     # the plane in which the path is widest
     across = np.linalg.svd(middle, full_matrices=False)[2][:2]
     extent = float(np.ptp(middle @ across.T, axis=0).max())
-    largest = max((float(np.linalg.norm(error, axis=1).max()) for error in errors.values()), default=0.0)
+    sizes = [_finite(np.linalg.norm(error, axis=1)) for error in errors.values()]
+    largest = max((float(size.max()) for size in sizes), default=0.0)
     times = round_down(SEEN * extent / largest) if largest > 0.0 else 1.0
     data = {
         "end": float(setpoints[-1].t),
@@ -112,14 +119,19 @@ def _data(
         "pace": _curve(np.array([each.pace for each in setpoints])),
         "used": {kind: [_curve(100.0 * row) for row in rows] for kind, rows in used.items()},
         "way": _plane(middle, across),
-        "off": {name: _plane(middle + times * error[at], across) for name, error in errors.items()},
-        "times": times,
+        "off": {name: _plane(middle + times * _finite(error[at]), across) for name, error in errors.items()},
     }
-    return json.dumps(data).replace("<", "\\u003c")
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c"), times
 
 
-def _curve(values: Floats) -> list[float]:
-    return [float(f"{value:.5g}") for value in extremes(values, CURVE)]
+def _finite(values: Floats) -> Floats:
+    """The same with 0 for what was not measured."""
+    return np.where(np.isfinite(values), values, 0.0)
+
+
+def _curve(values: Floats) -> list[float | None]:
+    """None where an error was not measured."""
+    return [float(f"{value:.5g}") if math.isfinite(value) else None for value in extremes(values, CURVE)]
 
 
 def _plane(points: Floats, across: Floats) -> list[list[float]]:

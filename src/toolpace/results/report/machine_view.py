@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
 
-def machine_view(machine: Machine) -> dict[str, object]:
+def machine_view(machine: Machine) -> dict[str, Any]:
     """Joints from the bed to the workpiece and to the tool, where the workpiece is, and the nose of the spindle."""
     chain = machine.file.chain
     axis = np.asarray(chain.tool_axis) / np.linalg.norm(chain.tool_axis)

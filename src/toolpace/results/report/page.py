@@ -8,14 +8,14 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
-from toolpace.common.units import format_time
+from toolpace.common.units import format_length, format_time
 from toolpace.machine.limits import KINDS
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
 from toolpace.results.report.charts import Curves
 from toolpace.results.report.key_figures import PlanFigures, key_figures
 from toolpace.results.report.player_data import player_data
-from toolpace.results.report.shell import whole_page
+from toolpace.results.report.shell import motion_section, whole_page
 from toolpace.results.report.words import (
     BARS,
     LEAST_SHARE,
@@ -35,13 +35,16 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
     from toolpace.programs.toolpath import ToolPath
+    from toolpace.results.workpiece.view import WorkpieceView
 
 PLACES = 12
 """Places where the lower bound leaves room that are listed: as many as are looked at."""
 HEADINGS = ("Operation", "Tool", "Time", "Cutting", "Rapid", "Dwell", "Stops")
-SCRIPTS = ("arrays", "motion", "timeline", "way", "scene", "program", "player", "page")
-PLAYER = tuple(f"player/{name}.js" for name in SCRIPTS)
-"""Scripts of the page, in the order in which they stand on each other."""
+PLAYER = (
+    "arrays", "motion", "playback", "tracks", "timeline", "way", "stock", "workpiece", "scene", "program", "player",
+    "transport", "motion_page",
+)  # fmt: skip
+"""Scripts of pages that play one motion, in the order in which they stand on each other."""
 
 
 def units_of(machine: Machine | None, joints: Sequence[str]) -> list[str]:
@@ -57,9 +60,10 @@ def report_page(
     figures: PlanFigures | None,
     curves: Curves | None = None,
     program_bytes: bytes | None = None,
+    workpiece: WorkpieceView | None = None,
 ) -> str:
-    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already, and
-    `program_bytes` what the file of the program holds, for those who read along."""
+    """The whole HTML text; `curves` are those of the set-points, where they have been gathered already,
+    `program_bytes` what the file of the program holds, for those who read along, and `workpiece` what is cut."""
     machine = trajectory.axis_path.machine
     units = units_of(machine, setpoints.joints)
     curves = curves or Curves.of(setpoints, trajectory.limits, units, toolpath)
@@ -77,13 +81,13 @@ def report_page(
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
         "usage": _usage(trajectory, units),
+        "motion": motion_section(trajectory.duration, workpiece_note(workpiece)),
         "operations": _operations(trajectory, toolpath),
         "checks": _checks(verification),
         "planner": escape(trajectory.planner),
         "points": f"{len(setpoints):,}".replace(",", " "),
-        "duration": f"{trajectory.duration:.6g}",
     }
-    data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes)
+    data = player_data(trajectory, setpoints, toolpath, curves, figures, program_bytes, workpiece)
     return whole_page("toolpace.results.report", "page", title, fields, data, PLAYER)
 
 
@@ -140,6 +144,18 @@ def _open_places(trajectory: Trajectory) -> str:
         '<div class="scroll"><table class="checks"><thead><tr><th>Time</th><th>Block</th><th>At most</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div></details>"
     )
+
+
+def workpiece_note(view: WorkpieceView | None) -> str:
+    """Where the stock and the curves of the cut are from, or why they are not there."""
+    if view is None or (view.stages is None and not view.note):
+        return ""
+    if view.note:
+        text = f"The stock is not shown: {view.note}"
+    else:
+        text = f"Stock and curves of the cut: a simulation in cells of {format_length(round(view.resolution, 6))}"
+        text += ", of a guessed stock: the box around all cutting moves" if view.guessed else ""
+    return f'<p class="hint source">{escape(printable(text))}.</p>'
 
 
 def _usage(trajectory: Trajectory, units: list[str]) -> str:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import printable
+from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.results.report.charts import Channel, Curves, binding, deviations, extremes, limit_names
 from toolpace.results.report.key_figures import PlanFigures
-from toolpace.results.report.keyframes import TICK, keyframes
+from toolpace.results.report.keyframes import MOST, TICK, keyframes
 from toolpace.results.report.machine_view import machine_view
 from toolpace.results.report.packed_arrays import PackedArrays
 from toolpace.results.report.passages import passages
 from toolpace.results.report.words import colours, joint_colour, limit_words
+from toolpace.results.workpiece.stock_stages import SHARES, StockStages
+from toolpace.results.workpiece.tracks import PANELS, STATES, CutTracks
+from toolpace.results.workpiece.view import WorkpieceView, outline
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -39,20 +45,43 @@ def player_data(
     curves: Curves,
     figures: PlanFigures | None,
     program: bytes | None,
+    workpiece: WorkpieceView | None = None,
 ) -> str:
-    """All that the script shows, as JSON that cannot end the element it stands in."""
-    machine, joints = trajectory.axis_path.machine, setpoints.joints
+    """All that the script of the report shows, as JSON that cannot end the element it stands in."""
     shown, arrays = curves.extremes(), PackedArrays()
     if figures is not None:
         shown += deviations(trajectory, setpoints, figures.tip_tolerance_mm, figures.axis_tolerance_deg)
+    data = motion_data(trajectory, setpoints, toolpath, shown, program, arrays)
+    if workpiece is not None:
+        data |= workpiece_data(workpiece, arrays)
+    return page_json(data, arrays)
+
+
+def page_json(data: dict[str, object], arrays: PackedArrays) -> str:
+    """Data and the arrays that it names, as JSON that cannot end the element it stands in."""
+    whole = {**data, "arrays": arrays.text}
+    return json.dumps(whole, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def motion_data(
+    trajectory: Trajectory,
+    setpoints: SetPointSource,
+    toolpath: ToolPath | None,
+    channels: Sequence[Channel],
+    program: bytes | None,
+    arrays: PackedArrays,
+    most: int = MOST,
+) -> dict[str, object]:
+    """What player/player.js takes of one motion, its arrays put into `arrays`; `most` keyframes at the most."""
+    machine, joints = trajectory.axis_path.machine, setpoints.joints
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     passed = passages(trajectory, setpoints, toolpath)
     text = program_text(program)
-    data: dict[str, object] = {
+    return {
         "duration": float(trajectory.duration),
         "joints": [{"name": name, "colour": joint_colour(j)} for j, name in enumerate(joints)],
-        "channels": [_channel(channel, arrays) for channel in shown],
+        "channels": [_channel(channel, arrays) for channel in channels],
         "limits": [limit_words(name) for name in limit_names(joints)],
         "colours": list(colours(joints).values()),
         "strip": arrays.add(binding(trajectory, strip_times)),
@@ -68,17 +97,15 @@ def player_data(
             for each in (toolpath.operations if toolpath is not None else ())
         ],
         "program": None if text is None else arrays.add_bytes(text),
-        **_motion(trajectory, machine, arrays),
+        **_motion(trajectory, machine, arrays, most),
     }
-    data["arrays"] = arrays.text
-    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArrays) -> dict[str, object]:
+def _motion(trajectory: Trajectory, machine: Machine | None, arrays: PackedArrays, most: int) -> dict[str, object]:
     """Keyframes of the joints, and the chain that they move; none without a machine."""
     if machine is None:
         return {"keyframes": None, "machine": None}
-    frames = keyframes(trajectory)
+    frames = keyframes(trajectory, most)
     lengths = np.asarray(trajectory.axis_path.tool_lengths, dtype=np.float64)
     lengths = np.where(np.isnan(lengths), machine.tool_length, lengths)
     changes = np.flatnonzero(np.diff(lengths, prepend=np.nan) != 0.0)
@@ -105,6 +132,68 @@ def _channel(channel: Channel, arrays: PackedArrays) -> dict[str, object]:
     return {
         "name": channel.name, "panel": channel.panel, "joint": channel.joint,
         "peak": channel.peak, "unit": channel.unit, "data": arrays.add(values, top / STEPS),
+    }  # fmt: skip
+
+
+def workpiece_data(view: WorkpieceView, arrays: PackedArrays) -> dict[str, object]:
+    """Stock, finished part and fixtures in mm, the tools of the operations, and the tracks of the cut."""
+    found: dict[str, object] = {
+        "workpiece": {
+            "stock": None if view.stages is None else _stages(view.stages, arrays),
+            "part": None if view.finished_part is None else _mesh(view.finished_part, arrays),
+            "fixtures": [_mesh(triangles, arrays) for _, triangles in view.fixtures],
+            "tools": [None if each is None else _tool(each) for each in view.tools],
+        }
+    }
+    return found | ({} if view.tracks is None else _tracks(view.tracks, arrays))
+
+
+def _tool(profile: ToolProfile) -> list[dict[str, object]]:
+    """Outlines of its solids: of the cutting part (0), the shank (1) and the holder (2)."""
+    solids = [(0, profile.cutting), *((1, each) for each in profile.shank), *((2, each) for each in profile.holder)]
+    return [{"part": part, "outline": (1e3 * outline(solid)).round(4).tolist()} for part, solid in solids]
+
+
+def _stages(stages: StockStages, arrays: PackedArrays) -> dict[str, object]:
+    """The crossings of the stock, a column of each."""
+    columns = {
+        "edge": stages.edge, "place": stages.place + (SHARES + 1) * stages.leaves, "first": stages.first,
+        "end": stages.end,
+    }  # fmt: skip
+    return {
+        "origin": (1e3 * stages.origin).tolist(),
+        "step": (1e3 * stages.step).tolist(),
+        "points": stages.points.tolist(),
+        "shares": SHARES,
+        "stages": stages.stages,
+        "square": stages.square,
+        "counts": np.bincount(stages.axis, minlength=3).tolist(),
+        **{name: arrays.add(column) for name, column in columns.items()},
+    }
+
+
+def _mesh(triangles: Floats, arrays: PackedArrays) -> dict[str, object]:
+    """Corners of triangles, to a thousandth of a millimetre."""
+    return arrays.add(1e3 * triangles.ravel(), 1e-3)
+
+
+def _tracks(found: CutTracks, arrays: PackedArrays) -> dict[str, object]:
+    """Curves of the cut over time, by panel, and the band of what the tool does."""
+    names = [name for name in PANELS if any(each.panel == name for each in found.tracks)]
+    return {
+        "panels": [{"name": name, "title": PANELS[name]} for name in names],
+        "tracks": [
+            {
+                "name": each.name, "panel": each.panel, "unit": each.unit, "role": each.role,
+                "data": arrays.add(each.values, max(float(np.nan_to_num(each.values).max(initial=0.0)), 1e-9) / STEPS),
+            }
+            for each in found.tracks
+        ],
+        "states": {"names": STATES, "data": arrays.add(found.state)},
+        "loads": [
+            {"name": (f"{each.panel} {each.role}" if each.role else each.name).capitalize(), "track": k}
+            for k, each in found.loads()
+        ],
     }  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 import numpy as np
 
@@ -21,10 +22,10 @@ if TYPE_CHECKING:
 SHOWN = 5e-3
 """Share of the time below which a limit is not, before and after."""
 STYLE = """
-.n { text-align: right; white-space: nowrap; } tr.given td { background: #f4f6f9; } tr.first td { font-weight: 640; }
+.n { white-space: nowrap; } tr.given td { background: var(--plot); } tr.first td { font-weight: 640; }
 .both .bar { padding: 1px 0; } .both .after { margin-bottom: 8px; } .both .before .fill { opacity: 0.45; }
 .both .before .share { opacity: 0.7; } pre { overflow-x: auto; font-size: 12.5px; margin: 0; }
-svg { max-width: 100%; height: auto; }
+main svg { max-width: 100%; height: auto; } main svg text { fill: var(--soft); }
 """
 At = Callable[[float, float], tuple[float, float]]
 """Place [mm] to pixels."""
@@ -42,20 +43,26 @@ FLATTEST = 1e-3
 
 
 def set_up_page(
-    found: FoundSetUp, program: str, sheet: str, others: Sequence[tuple[str, FoundSetUp | str]] = ()
+    found: FoundSetUp,
+    program: str,
+    sheet: str,
+    others: Sequence[tuple[str, FoundSetUp | str]] = (),
+    reports: Sequence[str] = (),
 ) -> str:
     """The whole HTML text.
 
     sheet: the text of the set-up sheet. others: all machines that were searched, with what was found or why nothing.
+    reports: of the plans of the best set-ups, as they are reached from the page; empty where there is none.
     """
     best = found.best[0]
     machine = escape(best.machine.name)
     parts = [
-        f"<header><div><h1>{escape(program)}</h1><p>where to clamp the part on <b>{machine}</b></p></div></header>",
+        f"<header><div><h1>{escape(program)}</h1><p>where to clamp the part on <b>{machine}</b></p></div>",
+        f'<div class="ends">{shell.THEME_BUTTON}</div></header>',
         "<main>",
         f'<section class="cards">{_cards(found)}</section>',
         _machines(others),
-        _panel("The best set-ups", "each planned in full, within all travels", _table(found)),
+        _panel("The best set-ups", "each planned in full, within all travels", _table(found, reports)),
         '<div class="pair">',
         _panel("Time over the place", "all else as in the best set-up; from cheap plans", _map(found)),
         _panel("What limits, before and after", "share of the time; pale as given, strong as found", _limits(found)),
@@ -116,11 +123,12 @@ def _gain(each: PlannedSetUp, present: PlannedSetUp | None) -> str:
     return percent(1.0 - each.duration / present.duration) if present is not None and each is not present else ""
 
 
-def _table(found: FoundSetUp) -> str:
+def _table(found: FoundSetUp, reports: Sequence[str]) -> str:
     names = ("", "Time", "Gain", "Gap", "Turn", "Tilt", "Swing", "X", "Y", "Z", "Tool", "Solution")
     head = "".join(f"<th{' class=n' if i else ''}>{name}</th>" for i, name in enumerate(names))
     shown = [*found.best, *([found.given] if found.given is not None and found.given not in found.best else [])]
-    rows = "".join(_row(k, each, found.given) for k, each in enumerate(shown, start=1))
+    links = [*reports, *[""] * (len(shown) - len(reports))]
+    rows = "".join(_row(k, each, found.given, link) for k, (each, link) in enumerate(zip(shown, links), start=1))
     units = (
         "Turn, tilt and swing are about the middle of the program, in deg from how the part is clamped now; X, Y, Z: "
         "how far that middle is moved, in mm. Tool: from the spindle nose to the tip, in mm, of each tool. Solution: "
@@ -133,7 +141,7 @@ def _table(found: FoundSetUp) -> str:
     )
 
 
-def _row(number: int, each: PlannedSetUp, present: PlannedSetUp | None) -> str:
+def _row(number: int, each: PlannedSetUp, present: PlannedSetUp | None, report: str) -> str:
     clamping = each.clamping
     cells = [format_time(each.duration), _gain(each, present), at_most(each.gap)]
     cells += [_figure(angle / DEGREE) for _, angle in clamping.angles()]
@@ -142,6 +150,8 @@ def _row(number: int, each: PlannedSetUp, present: PlannedSetUp | None) -> str:
     cells += [tools, {0: "free", 1: "+", -1: "-"}[clamping.side]]
     kind = "given" if each is present else "first" if number == 1 else ""
     label = "as given" if each is present else f"{number}"
+    if report:
+        label = f'<a href="{escape(quote(report))}">{label}</a>'
     return f'<tr class="{kind}"><td>{label}</td>' + "".join(f"<td class=n>{cell}</td>" for cell in cells) + "</tr>"
 
 

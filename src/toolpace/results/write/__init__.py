@@ -32,6 +32,7 @@ from toolpace.programs.toolpath import ToolPath
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
+    ENGAGED,
     SETUP,
     TOOL,
     PlanResult,
@@ -40,6 +41,7 @@ from toolpace.results.write.result import (
     copy_name,
     read_again,
     reading_record,
+    write_engaged,
     write_reading_options,
 )
 
@@ -141,6 +143,8 @@ def write_folder(
         write_reading_options(folder, result.options)
         if result.aimed is not None:
             (folder / TOOL).write_bytes(result.aimed.tool.data)
+            if result.aimed.tool.engaged is not None:
+                write_engaged(folder / ENGAGED, result.aimed.tool.engaged)
         if csv:
             tell(0.1)
             write_csv(folder / TABLE, result.setpoints, result.machine)
@@ -150,7 +154,7 @@ def write_folder(
 
             write_report(
                 folder / REPORT, result.trajectory, result.setpoints, result.toolpath, result.verification, record,
-                digest.curves, result.program_bytes,
+                digest.curves, result.program_bytes, result.options.setup, result.cut,
             )  # fmt: skip
         steps = {**record.step_s, WRITING: time.perf_counter() - began}
         record = msgspec.structs.replace(record, step_s=steps)
@@ -213,5 +217,6 @@ def written_files(
     points = file_of(form_of(npz, record.set_points, len(record.usage.velocity)))
     motion = [points, *[TRAJECTORY] * trajectory] if points else []
     how = [name for name in (record.reading.controller_file, record.reading.setup_file) if name]
-    how += [record.bending.tool_file] if record.bending is not None else []
+    bending = record.bending
+    how += [name for name in (bending.tool_file, bending.engaged_file) if name] if bending is not None else []
     return [PLAN, *motion, MACHINE, copy_name(program), *how] + [TABLE] * csv + [REPORT] * report

@@ -12,9 +12,11 @@ import msgspec
 
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
+from toolpace.common.units import MILLIMETRE
 from toolpace.programs.tolerances import Tolerances
 
 if TYPE_CHECKING:
+    from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.motion.trajectory import OperationTime, Trajectory
     from toolpace.planning.path_and_pace.alternating import Round
     from toolpace.programs.toolpath import ToolPath
@@ -25,6 +27,7 @@ LARGEST = 1 << 26
 """Most bytes of it: those of a long program have some thousands."""
 NEARLY = 0.9
 """Share of a tolerance from which it counts as used."""
+MM3 = MILLIMETRE**3
 
 
 class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -109,6 +112,42 @@ class BendingRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Largest difference between the bending of this motion and the bending that is compensated."""
     rounds: int
     """How often it was planned with a shift."""
+    engaged_file: str = ""
+    """The deflection along the program by what is cut of the stock, beside this file; empty where the engagement is
+    stated."""
+
+
+class OperationCutRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Time at feed of an operation by what the tool meets; rapids and dwells are in none of them."""
+
+    name: str
+    tool: str
+    air_s: float
+    """Nothing can be cut, wherever within its uncertainty the stock ends."""
+    cutting_s: float
+    """Something is cut in any case."""
+    uncertain_s: float
+    """Either, depending on where the stock ends."""
+    removed_mm3: float
+
+
+class CutRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What the motion cuts of the stock that the set-up sheet names: the sums of `toolpace cut`."""
+
+    air_s: float
+    cutting_s: float
+    uncertain_s: float
+    stock_mm3: float
+    removed_mm3: float
+    left_mm3: float
+    resolution_mm: float
+    """Size of a cell of the stock."""
+    uncertainty_mm: float
+    """How far the surface of the stock may be from where the sheet has it."""
+    collisions: int
+    """How many `toolpace cut` lists."""
+    operations: list[OperationCutRecord]
+    """Those that move, in the order of the program."""
 
 
 class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -187,6 +226,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Share of the path's length where the tip is off by more than 90 % of its tolerance."""
     axis_at_tolerance: float | None = None
     """The same of the tool axis."""
+    cut: CutRecord | None = None
+    """What it cuts, where the set-up sheet names a stock and its tools; else null."""
     step_s: dict[str, float] = {}
     """Time of each step of the job: reading, fitting, planning, ...; of writing, the time until this file, the last."""
 
@@ -249,6 +290,28 @@ def operation_records(times: Sequence[OperationTime]) -> list[OperationRecord]:
         )
         for each in times
     ]
+
+
+def cut_sums(simulation: CutSimulation) -> CutRecord:
+    """The sums of a simulated cut, in s and mm."""
+    operations = [
+        OperationCutRecord(
+            printable(each.name), printable(each.tool), each.air, each.cutting, each.uncertain, each.removed / MM3
+        )
+        for each in simulation.operations
+    ]
+    return CutRecord(
+        air_s=simulation.air,
+        cutting_s=simulation.cutting,
+        uncertain_s=float(sum(each.uncertain for each in simulation.operations)),
+        stock_mm3=simulation.stock_volume / MM3,
+        removed_mm3=simulation.removed_volume / MM3,
+        left_mm3=simulation.left_volume / MM3,
+        resolution_mm=simulation.resolution / MILLIMETRE,
+        uncertainty_mm=simulation.uncertainty / MILLIMETRE,
+        collisions=len(simulation.collisions),
+        operations=operations,
+    )
 
 
 def printable_counts(counts: Mapping[str, int]) -> dict[str, int]:

@@ -9,13 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
+from zipfile import BadZipFile
 
 import numpy as np
 
 from toolpace.common import __version__
 from toolpace.common.errors import UsageError, printable
 from toolpace.cutting.tool_file import tool_bytes, tool_of_bytes
-from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.machine.cutting_tool import CuttingTool, EngagedDeflection
 from toolpace.motion.sampling import each_block
 from toolpace.motion.set_point_files import CompactWriter
 from toolpace.motion.setpoints import Block, SetPointSource
@@ -31,6 +32,7 @@ from toolpace.results.write.plan_json import (
     PlanRecord,
     ReadingRecord,
     by_place,
+    cut_sums,
     finite_bound,
     iteration_records,
     largest_finite,
@@ -44,6 +46,7 @@ from toolpace.results.write.plan_json import (
 
 if TYPE_CHECKING:
     from toolpace.cutting.compensated_program import BendingCompensation
+    from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.judge import Verification
     from toolpace.machine.machine import Machine
     from toolpace.motion.trajectory import Trajectory
@@ -54,6 +57,8 @@ if TYPE_CHECKING:
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,16}")
 TOOL = "tool.toml"
 """Its name beside plan.json."""
+ENGAGED = "engaged.npz"
+"""The name of its deflection by what is cut of a stock."""
 CONTROLLER = "controller.toml"
 SETUP = "setup.toml"
 """Names of the files beside plan.json."""
@@ -143,6 +148,8 @@ class PlanResult:
     """[rad]"""
     aimed: BendingCompensation | None = None
     """Where the bending of the tool is compensated: by what, and for which tool."""
+    cut: CutSimulation | None = None
+    """What it cuts, where the set-up sheet names a stock."""
     step_s: Mapping[str, float] = field(default_factory=dict)
     """Times of the steps so far [s]."""
 
@@ -201,6 +208,7 @@ class PlanResult:
             rounds=iteration_records(self.rounds),
             tip_at_tolerance=share_at_tolerance(trajectory, 0, tip),
             axis_at_tolerance=share_at_tolerance(trajectory, 1, axis),
+            cut=None if self.cut is None else cut_sums(self.cut),
             step_s=dict(self.step_s),
             controller=printable(toolpath.controller) if toolpath is not None else "",
             assumed=[printable(sentence) for sentence in toolpath.assumed] if toolpath is not None else [],
@@ -221,7 +229,8 @@ def copy_name(program: Path) -> str:
 def bending_record(aimed: BendingCompensation) -> BendingRecord:
     """What plan.json says of it."""
     sha256 = hashlib.sha256(aimed.tool.data).hexdigest()
-    return BendingRecord(TOOL, sha256, 1e3 * aimed.largest, 1e6 * aimed.change, aimed.rounds)
+    engaged = ENGAGED if aimed.tool.engaged is not None else ""
+    return BendingRecord(TOOL, sha256, 1e3 * aimed.largest, 1e6 * aimed.change, aimed.rounds, engaged)
 
 
 def bent_tool(folder: Path, record: BendingRecord | None) -> CuttingTool | None:
@@ -241,7 +250,24 @@ def bent_tool(folder: Path, record: BendingRecord | None) -> CuttingTool | None:
     data = tool_bytes(file)
     if hashlib.sha256(data).hexdigest() != record.sha256:
         raise UsageError(f"{file}: is not the tool file that the plan was made with (sha256); plan again")
-    return tool_of_bytes(data, str(file))
+    tool = tool_of_bytes(data, str(file))
+    if (ENGAGED if tool.from_stock else "") != record.engaged_file:
+        raise UsageError(f"{folder / PLAN}: engaged_file is {record.engaged_file!r:.80}; plan again to write it anew")
+    return tool if not tool.from_stock else replace(tool, engaged=read_engaged(folder / ENGAGED))
+
+
+def write_engaged(file: Path, engaged: EngagedDeflection) -> None:
+    """Write the deflection along a program."""
+    np.savez_compressed(file, way=engaged.way, slope=engaged.slope, constant=engaged.constant)
+
+
+def read_engaged(file: Path) -> EngagedDeflection:
+    """The deflection along a program. Raises UsageError where the file is none."""
+    try:
+        with np.load(file, allow_pickle=False) as arrays:
+            return EngagedDeflection(arrays["way"], arrays["slope"], arrays["constant"])
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise UsageError(f"{file}: cannot be read: {error}; plan again to write it anew") from None
 
 
 def reading_record(options: ReadOptions) -> ReadingRecord:

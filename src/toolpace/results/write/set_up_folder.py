@@ -38,12 +38,14 @@ def write_set_up(
     program: str,
     setup: SetUp | None = None,
     others: Sequence[tuple[str, FoundSetUp | str]] = (),
+    reports: Sequence[str] = (),
 ) -> list[str]:
     """Write the folder and return the names of its files, the page last.
 
     setup.toml is the set-up sheet of the best set-up, machine.toml the machine with it, program.apt the program as tips
     and tool axes for it, setup.html the page, map.svg the map where there is one, setup.json all figures. `setup` is
-    the sheet that the program was read with; `others` are all machines that were searched. Raises UsageError.
+    the sheet that the program was read with; `others` are all machines that were searched, `reports` those of the plans
+    of the best set-ups, as they are reached from the folder. Raises UsageError.
     """
     if not hasattr(found, "best"):
         raise UsageError(f"write_set_up: {type(found).__name__} in place of what search_setup returns")
@@ -54,7 +56,7 @@ def write_set_up(
             SHEET: sheet,
             MACHINE: with_sheet(best.machine, setup).to_toml(),
             PROGRAM: cldata_text(found.toolpath, f"{program}: tips and tool axes, for any clamping"),
-            PAGE: set_up_page(found, program, sheet, others),
+            PAGE: set_up_page(found, program, sheet, others, reports),
             RECORD: json.dumps(record(found, program, others), indent=2, allow_nan=False) + "\n",
         }
         if found.places is not None:

@@ -10,6 +10,7 @@ import pytest
 from tests.support.heidenhain import findings, last, read, tips
 from toolpace.common.errors import ProgramError
 from toolpace.common.units import DEGREE
+from toolpace.programs.reading.setup_file import setup_of_text
 
 
 def circle_of(points, centre, radius):
@@ -51,9 +52,18 @@ def test_a_motion_without_any_feed_is_one_error():
         read("L X+1")
 
 
-def test_feeds_by_tooth_and_by_time_are_refused():
-    found = findings("L X+1 F100\nL X+2 FZ0.1\nL X+3 FT 5\nL X+4 FMAXT 5")
-    assert [refusal.word for refusal in found.refusals] == ["FZ", "FT", "FMAXT"]
+def test_feed_per_tooth_counts_the_teeth_of_the_tool_in_the_spindle():
+    text = "TOOL CALL 1 Z S600\nL X+1 FZ0.1\nTOOL CALL 2 Z\nL X+2\nL X+3 F60"
+    setup = setup_of_text("".join(f'[tools.{k}]\nkind = "flat"\ndiameter = 9\nteeth = {k + 2}\n' for k in (1, 2)))
+    path = read(text, setup=setup)
+    assert path.feed[-3:] == pytest.approx([0.003, 0.004, 0.001])
+    with pytest.raises(ProgramError, match="write teeth in the tool's table"):
+        read(text)
+
+
+def test_feeds_by_time_are_refused():
+    found = findings("L X+1 F100\nL X+3 FT 5\nL X+4 FMAXT 5")
+    assert [refusal.word for refusal in found.refusals] == ["FT", "FMAXT"]
 
 
 # Arcs

@@ -10,6 +10,7 @@ import pytest
 from tests.support.sinumerik import START, ends, last, machine, read
 from toolpace.common.errors import ProgramError
 from toolpace.programs.reading.coordinates.setup import SetUp, Tool
+from toolpace.programs.reading.setup_file import setup_of_text
 
 
 def test_forms_of_words():
@@ -161,6 +162,17 @@ def test_the_feed_of_one_block():
     assert path.feed[-5:] * 60e3 == pytest.approx([600, 300, 600, 120, 600])
     with pytest.raises(ProgramError, match="above zero"):
         read("G1 X10 F600\nX20 FB=0")
+
+
+def test_feed_per_tooth_is_kept_where_the_tool_changes_and_counts_its_teeth():
+    """ "F = FZ * $TC_DPNT [...] is retained in modal format" (NC Programming, "Tooth feedrate (G95 FZ)")."""
+    setup = setup_of_text("".join(f'[tools.{k}]\nkind = "flat"\ndiameter = 9\nteeth = {k + 2}\n' for k in (1, 2)))
+    text = "T1 M6\nS600 M3\nG95 G1 X10 FZ=0.1\nT2 M6\nX20\nG95 X30 FB=0.2\nX40\nX50 F0.2\nG94 X60 F60"
+    feeds = read(text, setup=setup).feed[-6:]
+    assert feeds == pytest.approx([0.003, 0.004, 0.002, 0.004, 0.002, 0.001])
+    for wrong, message in (("G1 X10 FZ=0.1", "needs G95"), ("G95 S9 G1 X10 FZ=0.1 F1", "F beside FZ")):
+        with pytest.raises(ProgramError, match=message):
+            read(wrong, setup=setup)
 
 
 def test_stops():

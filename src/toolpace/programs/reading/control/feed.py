@@ -15,8 +15,8 @@ from toolpace.programs.reading.source import Source
 
 SENSES = {"M3": 1, "M4": -1, "M5": 0, "M13": 1, "M14": -1}
 """M functions by which the spindle turns: clockwise seen from it, counterclockwise, not at all."""
-PER_MINUTE, INVERSE, PER_REVOLUTION = "per minute", "inverse time", "per revolution"
-"""Modes of feed: lengths a minute, the time of each block, lengths a turn of the spindle."""
+PER_MINUTE, INVERSE, PER_REVOLUTION, PER_TOOTH = "per minute", "inverse time", "per revolution", "per tooth"
+"""Modes of feed: lengths a minute, the time of each block, lengths a turn of the spindle, or a tooth of the tool."""
 TURNING = ("xyz", "vector")
 """What F divides in a block that turns outside tip mode: the way of X, Y, Z, or of lengths (in its unit) and degrees
 as one."""
@@ -41,13 +41,15 @@ class Feed:
         self.source, self.rules, self.default = source, rules, default
         self.mode = PER_MINUTE
         self.value: float | None = None
-        """F [m/s], or [m] a revolution; in inverse time it is not remembered."""
+        """F [m/s], or [m] a revolution or a tooth; in inverse time it is not remembered."""
         self.turn = 0.0
         """The same F as degrees a minute [rad/s]."""
         self.unit = MILLIMETRE
         """Of lengths when F was given [m]."""
         self.spindle = 0.0
         """Turns of the spindle a second."""
+        self.teeth: int | None = None
+        """Of the tool in the spindle, where that is known."""
 
     def set_mode(self, mode: str) -> None:
         """An F of one mode says nothing in another."""
@@ -56,11 +58,11 @@ class Feed:
         self.mode = mode
 
     def set(self, number: float, unit: float, line: int) -> None:
-        """Remember F in units [m] and degrees, a minute or a revolution."""
+        """Remember F in units [m] and degrees, a minute, a revolution or a tooth."""
         if not 0 < number <= 1e9:
             self.source.fail(f"feed F{number:g} must be above zero (and at most 1e9): correct F", line)
         self.unit = unit
-        if self.mode == PER_REVOLUTION:
+        if self.mode in (PER_REVOLUTION, PER_TOOTH):
             self.value, self.turn = number * unit, number * DEGREE
         elif self.mode == PER_MINUTE:
             self.value, self.turn = number * unit / MINUTE, number * DEGREE / MINUTE
@@ -91,8 +93,9 @@ class Feed:
                 self.source.fail(needs, line, FeedMissingError)
         elif self.value is not None:
             speed, turn = self.value, self.turn
-            if self.mode == PER_REVOLUTION:
-                speed, turn = speed * self._spindle(line), turn * self._spindle(line)
+            if self.mode in (PER_REVOLUTION, PER_TOOTH):
+                times = self._times_a_second(line)
+                speed, turn = speed * times, turn * times
             if self.rules.turning == "vector" and length > 0.0 and turned > 0.0:
                 way = math.hypot(length / self.unit, turned / DEGREE)
                 return Rate(time=way * self.unit / speed)
@@ -107,7 +110,15 @@ class Feed:
         # Of rotations in place a length per minute says nothing: the axes' own limits rule them.
         return Rate(self.default)
 
-    def _spindle(self, line: int) -> float:
+    def _times_a_second(self, line: int) -> float:
+        """How many turns, or teeth, a second the feed is for."""
+        what = "tooth" if self.mode == PER_TOOTH else "revolution"
         if self.spindle <= 0.0:
-            self.source.fail("a feed per revolution needs the spindle speed: write S before it, or G94", line)
-        return self.spindle
+            self.source.fail(f"a feed per {what} needs the spindle speed: write S before it, or a feed a minute", line)
+        if self.mode == PER_REVOLUTION:
+            return self.spindle
+        if self.teeth is None:
+            self.source.fail(
+                "a feed per tooth needs the number of teeth: write teeth in the tool's table of the set-up sheet", line
+            )
+        return self.spindle * self.teeth

@@ -116,6 +116,7 @@ class ControlState:
         self.stage: Stage | None = None
         """What follows the program's contour beside it, where it is not the way itself."""
         self.tool = ""
+        self._take_teeth()
         self.sense: int | None = None
         """In which the spindle turns: 1 clockwise, -1 counterclockwise, 0 not at all; None: no word told it."""
         self.coordinates = Coordinates(self.datum, (0.0,) * rotary)
@@ -333,6 +334,12 @@ class ControlState:
         if tool != self.tool and not self.coordinates.compensated:
             self.coordinates.length_of = ""
         self.tool = tool
+        self._take_teeth()
         self._know(tool)
         self.operations.begin(tool=tool)
         self._replaced()
+
+    def _take_teeth(self) -> None:
+        """Those of the tool in the spindle, for feeds per tooth."""
+        figures = self.setup.figures_of(self.tool) or self.findings.tool_shapes.get(self.tool)
+        self.feed.teeth = None if figures is None else figures.teeth

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.programs.reading.arcs import ArcError
 from toolpace.programs.reading.control.corners import CornerError
-from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION, SENSES
+from toolpace.programs.reading.control.feed import INVERSE, PER_MINUTE, PER_REVOLUTION, PER_TOOTH, SENSES
 from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.sinumerik.blank import take_blank
 from toolpace.programs.reading.sinumerik.circles import set_pole
@@ -131,7 +131,7 @@ class Executor:
                 self.refuse(error.word, self.control.line, error.cure)
         if dwells:
             self.feed_words.dwell(words)
-        elif "F" in words:
+        elif "F" in words or "FZ" in words:
             self.feed_words.feed(words)
         if "OVR" in words:
             self.feed_words.override(words)
@@ -201,7 +201,7 @@ class Executor:
         elif code in OFFSETS:
             self.frames.select(OFFSETS[code])
         elif code in FEEDS:
-            self.control.feed.set_mode(FEEDS[code])
+            self.feed_words.set_mode(FEEDS[code])
         elif code in ("G40", "G41", "G42"):
             self.compensation.take(code)
         elif code in SUPPRESSION:
@@ -354,17 +354,36 @@ class FeedWords:
         if "FB" not in words:
             yield
             return
-        feed = self.control.feed
-        before = feed.value, feed.turn, feed.unit
+        feed, state = self.control.feed, self.state
+        before = feed.mode, feed.value, feed.turn, feed.unit, state.inverse
         words["F"] = words.pop("FB")
         self.feed(words)
         yield
-        feed.value, feed.turn, feed.unit = before
+        feed.mode, feed.value, feed.turn, feed.unit, state.inverse = before
+
+    def set_mode(self, mode: str) -> None:
+        """G93, G94, G95; behind a G95 that is said again FZ holds on."""
+        feed = self.control.feed
+        if not (mode == PER_REVOLUTION and feed.mode == PER_TOOTH):
+            feed.set_mode(mode)
 
     def feed(self, words: Words) -> None:
-        """F: under G700 and G710 in the unit of lengths, under G70 and G71 in the base unit of the control."""
-        value = real(words.pop("F").value)
+        """F: under G700 and G710 in the unit of lengths, under G70 and G71 in the base unit of the control.
+
+        FZ in its place under G95: F = FZ $TC_DPNT, and FZ is kept where the tool changes (NC Programming, "Tooth
+        feedrate (G95 FZ)"). Raises BlockError.
+        """
         feed, state = self.control.feed, self.state
+        if "FZ" in words:
+            if "F" in words:
+                raise BlockError("F beside FZ: which of them holds is not told; write one")
+            if feed.mode not in (PER_REVOLUTION, PER_TOOTH):
+                raise BlockError("FZ is a feed per tooth, which needs G95: write it before FZ")
+            feed.set_mode(PER_TOOTH)
+            words["F"] = words.pop("FZ")
+        elif feed.mode == PER_TOOTH:
+            feed.set_mode(PER_REVOLUTION)
+        value = real(words.pop("F").value)
         if feed.mode == INVERSE:
             if not 0.0 < value <= 1e9:
                 raise BlockError(f"feed F{value:g} must be above zero: correct F")

@@ -1,7 +1,7 @@
-// One time for all: what plays it, and what is told of it.
-class Player {
+// A motion and its program: what is told of each time.
+class Player extends Playback {
   constructor(data, arrays) {
-    this.duration = data.duration;
+    super(data.duration);
     this.motion = data.keyframes ? new Motion(data, arrays) : null;
     this.joints = data.joints;
     this.channels = data.channels.map((c) => ({ ...c, values: arrays.numbers(c.data) }));
@@ -12,10 +12,15 @@ class Player {
     this.passages = { t: arrays.numbers(data.passages.t).map((t) => Math.min(t, data.duration)), line: arrays.whole(data.passages.line),
       operation: arrays.whole(data.passages.operation), kind: arrays.whole(data.passages.kind) };
     this.text = data.program ? new TextDecoder().decode(arrays.bytes(data.program)).split("\n") : null;
-    this.t = 0;
-    this.rate = 1;
+    this.workpiece = data.workpiece || null;
+    this.arrays = arrays;
+    this.panels = data.panels || [];
+    this.tracks = (data.tracks || []).map((c) => ({ ...c, values: arrays.numbers(c.data) }));
+    this.states = data.states ? { names: data.states.names, values: arrays.whole(data.states.data) } : null;
+    this.loads = (data.loads || []).map(({ name, track }) => ({ ...this.tracks[track], name }));
+    for (const load of this.loads) load.high = this.loads.reduce((most, each) => each.values.reduce((a, b) => (b > a ? b : a), most), 1e-9);
+    this.findings = data.findings || [];
     this.colouring = "speed";
-    this.watchers = [];
     this.account();
     this.readLook();
   }
@@ -60,8 +65,21 @@ class Player {
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }
   stripAt(t) { return this.strip[Math.min(Math.floor((t / this.duration) * this.strip.length), this.strip.length - 1)]; }
+  // What the tool does at a time: the number of a state, -1 at rest; and in words.
+  stateNumber(t) { const { values } = this.states; return values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)]; }
+  stateAt(t) { return this.states.names[this.stateNumber(t)] || "at rest"; }
   limitAt(t) { const k = this.stripAt(t); return k < 0 ? "no limit reached" : this.limits[k].name; }
   limitColour(t) { const k = this.stripAt(t); return k < 0 ? this.look.neutral : this.limits[k].colour; }
+  // The colour of the path at a time at which the tip is so fast [mm/min].
+  pathColour(t, speed) {
+    const load = this.load();
+    if (load) return speedColour(this.loadShare(load, t));
+    return this.colouring === "limits" ? this.limitColour(t) : speedColour(Math.min(speed / this.usual, 1));
+  }
+
+  // The load by which the path is coloured, if it is by one; and its share of the largest at a time.
+  load() { return this.loads.find((each) => each.name === this.colouring) || null; }
+  loadShare({ values, high }, t) { return Math.min(values[Math.min(Math.floor((t / this.duration) * values.length), values.length - 1)] / high, 1); }
   operationName(k) { const each = this.operations[k]; return each ? each.name || (each.tool ? `tool ${each.tool}` : `operation ${k + 1}`) : "-"; }
 
   valueAt(name, t) {
@@ -94,39 +112,7 @@ class Player {
     return out.sort((a, b) => b.lost - a.lost);
   }
 
-  readLook() {
-    const style = getComputedStyle(document.documentElement), of = (name) => style.getPropertyValue(name).trim();
-    this.look = { ink: of("--ink"), soft: of("--soft"), line: of("--line"), ground: of("--plot"), good: of("--good"), bad: of("--bad"),
-      accent: of("--accent"), neutral: of("--neutral"), veil: of("--veil"), onBar: of("--on-bar"), font: style.fontFamily || "sans-serif",
-      joints: this.joints.map((j) => j.colour), bars: ["--bar-1", "--bar-2", "--bar-3", "--bar-4"].map(of) };
-    this.look.font = getComputedStyle(document.body).fontFamily;
-  }
-
-  seek(t) {
-    this.t = Math.min(Math.max(Number(t) || 0, 0), this.duration);
-    for (const watch of this.watchers) watch(this.t);
-  }
-
-  play() {
-    if (this.playing) return;
-    if (this.t >= this.duration) this.seek(0);
-    this.playing = true;
-    let before = performance.now();
-    const step = (now) => {
-      this.seek(this.t + (this.rate * (now - before)) / 1e3);
-      before = now;
-      if (this.t >= this.duration) this.pause(); else if (this.playing) this.frame = requestAnimationFrame(step);
-    };
-    this.frame = requestAnimationFrame(step);
-    for (const watch of this.watchers) watch(this.t);
-  }
-
-  pause() {
-    // a frame that still came would play at twice the speed where it goes on at once
-    cancelAnimationFrame(this.frame);
-    this.playing = false;
-    for (const watch of this.watchers) watch(this.t);
-  }
+  readLook() { this.look = { ...currentLook(), joints: this.joints.map((j) => j.colour) }; }
 
   // To the beginning of the block that is passed, the one before or the next.
   step(by) {

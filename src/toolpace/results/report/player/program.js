@@ -7,7 +7,7 @@ const WIDEST = 500;  // characters of a line that are shown: laying out a line o
 class Listing {
   constructor(element, count, fill, choose) {
     Object.assign(this, { element, count, fill, choose });
-    this.lit = -1;
+    this.lit = this.pale = -1;
     this.inner = document.createElement("div");
     this.inner.className = "inner";
     this.tall = Math.min(count * ROW, TALLEST);
@@ -34,7 +34,7 @@ class Listing {
     const rows = [];
     for (let k = first; k < last; k++) {
       const row = document.createElement("div");
-      row.className = k === this.lit ? "row lit" : "row";
+      row.className = k === this.lit ? "row lit" : k === this.pale ? "row pale" : "row";
       row.dataset.k = k;
       row.style.top = `${k * ROW - above}px`;
       this.fill(row, k);
@@ -43,9 +43,10 @@ class Listing {
     this.inner.replaceChildren(...rows);
   }
 
-  light(k) {
-    if (k === this.lit) return;
-    this.lit = k;
+  // The row that is passed, which is kept in sight, and another one.
+  light(k, pale = -1) {
+    if (k === this.lit && pale === this.pale) return;
+    [this.lit, this.pale] = [k, pale];
     this.reveal();
     this.draw();
   }
@@ -92,7 +93,7 @@ class Program {
     if (begins) this.player.seek(begins.find((b) => b > t + 1e-9) ?? begins[0]);
   }
 
-  light(line) { this.list.light(line - 1); }
+  light(line, pale = 0) { this.list.light(line - 1, pale - 1); }
 }
 
 // What takes longest, each with a way there: blocks, operations, and places slower than the feed.

@@ -23,6 +23,7 @@ class Space {
     this.samplePath();
     this.makePath();
     this.makeMachine();
+    this.workpiece = player.workpiece && new Workpiece(this, player.workpiece, player.arrays);
     this.mode = "part";
     this.frame();
     this.listen();
@@ -55,7 +56,8 @@ class Space {
     const kept = straightened(found.times, found.tips, 0.2 * off, (k) => {
       const middle = 0.5 * (found.times[k] + found.times[k - 1]);
       const speed = distance(found.tips[k], found.tips[k - 1]) / Math.max(found.times[k] - found.times[k - 1], 1e-9);
-      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)}`;
+      const loads = player.loads.map((load) => Math.round(SHADES * player.loadShare(load, middle)));
+      return `${player.kindAt(middle)} ${player.stripAt(middle)} ${Math.round((SHADES * 60 * speed) / player.usual)} ${loads}`;
     });
     this.times = Float64Array.from(kept, (k) => found.times[k]);
     this.tips = kept.map((k) => found.tips[k]);
@@ -95,12 +97,8 @@ class Space {
       const { ends, broad, colours } = line.userData;
       ends.forEach((k, i) => {
         const middle = 0.5 * (this.times[k] + this.times[k - 1]);
-        if (name === "rapid") ink.set(RAPID);
-        else if (player.colouring === "limits") ink.set(player.limitColour(middle));
-        else {
-          const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
-          ink.set(speedColour(Math.min(speed / player.usual, 1)));
-        }
+        const speed = (60 * distance(this.tips[k], this.tips[k - 1])) / Math.max(this.times[k] - this.times[k - 1], 1e-9);
+        ink.set(name === "rapid" ? RAPID : player.pathColour(middle, speed));
         colours.set([ink.r, ink.g, ink.b, ink.r, ink.g, ink.b], 6 * i);
       });
       if (broad) line.geometry.setColors(colours);
@@ -131,6 +129,11 @@ class Space {
     const centre = corners.reduce((sum, p) => sum.addScaledVector(p, 1 / 8), new THREE.Vector3());
     const radius = 0.52 * this.size, thick = 0.1 * this.size;
     let level = Math.min(...corners.map((p) => p.dot(up))) - 0.02 * this.size, held = radius;
+    if (!machine.workpiece.length) {
+      // the part stands on the bed
+      const plate = centre.clone().addScaledVector(up, level - 0.5 * thick - centre.dot(up));
+      this.shapes.push(add(this.root, new THREE.BoxGeometry(3 * held, thick, 3 * held), 0x3f4d60, along(up, plate)));
+    }
     [...machine.workpiece].reverse().forEach((joint, back) => {
       const body = this.bodies.workpiece[machine.workpiece.length - 1 - back], u = new THREE.Vector3(...joint.direction);
       const colour = [0x4d5d73, 0x3f4d60, 0x343f50][back % 3];
@@ -189,6 +192,8 @@ class Space {
     const w = product(machine.bodies(machine.workpiece, q).at(-1) || AT_REST, machine.frame);
     set(this.part, w);
     this.shapeTool(machine, length);
+    const shaped = !!this.workpiece && this.workpiece.pose(t, machine, length);
+    this.toolShape.visible = this.holder.visible = !shaped;
     const tip = machine.tool(q, length).tip;
     // the part, the bed, or the tip stands still
     const seen = new THREE.Matrix4();
@@ -211,6 +216,7 @@ class Space {
 
   show(layer, visible) {
     if (layer === "machine") for (const shape of this.shapes) shape.visible = visible;
+    else if (this.workpiece?.layers[layer]) this.workpiece.layers[layer].visible = visible;
     else this.lines[layer].visible = visible;
     this.draw();
   }

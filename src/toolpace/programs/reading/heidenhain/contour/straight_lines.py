@@ -13,7 +13,7 @@ from toolpace.programs.reading.compensation.stage import ACROSS, ARC, Rules
 from toolpace.programs.reading.compensation.tool_centre_path import Follower, follow, leave
 from toolpace.programs.reading.control.control import Control
 from toolpace.programs.reading.control.corners import ROUND, Corners
-from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION
+from toolpace.programs.reading.control.feed import PER_MINUTE, PER_REVOLUTION, PER_TOOTH
 from toolpace.programs.reading.control.machine_moves import direction_on_part, rotary_for, turn_joints
 from toolpace.programs.reading.coordinates import affine
 from toolpace.programs.reading.coordinates.kinematics import near
@@ -48,7 +48,6 @@ NOT_TURNED = (
 )
 OF_CORNERS = "write it as L and CR blocks: it is read between two straight lines in the plane of the tool axis"
 OTHER_FEEDS = {
-    "FZ": "write F or FU, a length a turn, in place of a length a tooth",
     "FT": "write F in place of the time of a block",
     "FMAXT": "write FMAX in place of the time of a rapid",
 }
@@ -201,7 +200,8 @@ class Motion:
         if word == "FAUTO":
             self.feed(self.automatic())
         elif words.feed is not None:
-            self.feed(evaluate(words.feed), per_revolution=word == "FU" or self.state.per_revolution)
+            usual = PER_REVOLUTION if self.state.per_revolution else PER_MINUTE
+            self.feed(evaluate(words.feed), {"FU": PER_REVOLUTION, "FZ": PER_TOOTH}.get(word, usual))
         return False
 
     def automatic(self) -> float:
@@ -210,9 +210,9 @@ class Motion:
             raise BlockError("FAUTO takes the F of TOOL CALL, which has none: write one there, or F here")
         return self.state.tool_feed
 
-    def feed(self, number: float, per_revolution: bool = False) -> None:
+    def feed(self, number: float, mode: str = PER_MINUTE) -> None:
         """Put F in force."""
-        self.control.feed.set_mode(PER_REVOLUTION if per_revolution else PER_MINUTE)
+        self.control.feed.set_mode(mode)
         self.control.feed.set(number, self.state.feed_unit, self.control.line)
 
     def speed_of(self, number: float) -> tuple[float, float]:

@@ -1,61 +1,31 @@
-"""Feeds by what is cut: never faster where something may be cut than what allows it, and written so that they read."""
+"""Feeds by what is cut: nowhere faster where something may be cut than air, teachers or limits allow."""
 
 from __future__ import annotations
 
-import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import toolpace as tp
+from tests.support.feed_programs import SHEET, TWO_SLOTS
 from tests.support.program_with_feeds import with_feeds
-from toolpace.cli import main
 from toolpace.common.errors import UsageError
-from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
 from toolpace.cutting.engagement.table import EngagementTable
-from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
-from toolpace.cutting.feeds.learned import learned_speeds, teachers
+from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.learned import best_of, held_loads, learned_speeds
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places, Steps, over_window, stepped
+from toolpace.cutting.feeds.teaching import load_teachers, save_teachers
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.machine.cutting_tool import Coefficients
-from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
 
 TOOL = ToolFigures("flat", 10e-3, flute_length=20e-3, teeth=3, helix=math.radians(30.0), stick_out=40e-3,
                    material="carbide", spindle_speed=100.0)  # fmt: skip
-SHEET = """
-[stock]
-box = [[0, -20, -20], [60, 20, 0]]
-uncertainty = 0.5
-[tools.1]
-kind = "flat"
-diameter = 10
-flute_length = 20
-teeth = 3
-stick_out = 40
-material = "carbide"
-spindle_speed = 6000
-"""
-PROGRAM = """G21 G90 G54 G17
-T1 M6
-G43 H1
-S6000 M3
-G0 X-30 Y0 Z20
-G0 Z-2
-G1 X90 F600
-G0 Z20
-G0 X-30 Y14
-G0 Z-2
-G1 X90
-G0 Z20
-M30
-"""
-
-
 def shoulder(width, depth, n=40, slices=8):
     """A milled shoulder of a width (n,) and a depth as engagement: up milling, chips from nothing."""
     width = np.broadcast_to(width, n)
@@ -152,9 +122,9 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
     cuts = [shoulder(rng.uniform(least, 10e-3, n), rng.uniform(1e-3, 6e-3), n) for least in (1e-3, 0.2e-3)]
     teacher, learner = (EngagedForces(each, TOOL, Coefficients(1e9, 1e9)) for each in cuts)
     speed = np.full(n, 0.03)
-    best = teachers(teacher, speed, places(n).way, np.ones(n, dtype=bool))
+    best = best_of(held_loads(teacher, speed, places(n).way, np.ones(n, dtype=bool)))
     assert len(best) > 0
-    allowed, which = learned_speeds(learner, best, speed)
+    allowed, which = learned_speeds(learner.loads(speed), best, speed)
     for _ in range(4):
         material = Coefficients(rng.uniform(0.0, 2e9), 0.0, 0.0, rng.uniform(0.0, 5e4), 0.0)
         most = EngagedForces(teacher.engagement, TOOL, material).loads(speed).torque.max()
@@ -169,7 +139,7 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
 def cut():
     machine = tp.Machine.load("xyzac-trunnion")
     setup = setup_of_text(SHEET)
-    toolpath = tp.read_text(PROGRAM, machine, setup=setup)
+    toolpath = tp.read_text(TWO_SLOTS, machine, setup=setup)
     plan = tp.plan_program(toolpath, machine, effort="low")
     simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
     return machine, setup, toolpath, simulation
@@ -203,132 +173,6 @@ def test_on_a_guess_no_feed_is_raised(cut):
     assert any("[stock]" in note for note in feeds.notes)
 
 
-DIALECTS = {
-    "linuxcnc": PROGRAM,
-    "sinumerik": PROGRAM.replace("T1 M6\nG43 H1\n", "T1 D1 M6\n").replace("G21", "G71"),
-    "heidenhain": "BEGIN PGM A MM\nTOOL CALL 1 Z S6000\nL X-30 Y0 Z20 FMAX M3\nL Z-2 FMAX\nL X-20 F600\nL X90\n"
-    "L Z20 FMAX\nEND PGM A MM\n",
-}
-
-
-@pytest.mark.parametrize("name", DIALECTS)
-def test_the_program_with_new_feeds_reads_back(cut, name):
-    machine, setup = cut[0], cut[1]
-    options = ReadOptions(controller=tp.Controller.load(name), setup=setup)
-    source = Source.from_bytes(DIALECTS[name].encode(), f"part.{name}")
-    toolpath = tp.read_text(DIALECTS[name], machine, controller=name, setup=setup)
-    plan = tp.plan_program(toolpath, machine, effort="low")
-    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
-    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
-    feeds = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1, steps=Steps(ratio=1.05)))
-    written = with_cut_feeds(source, machine, None, options, toolpath, feeds)
-    again = written.toolpath
-    if name == "heidenhain":
-        # its blocks are not divided: the feed of the cut holds in the whole block
-        assert (written.changed, written.divided) == (1, 0)
-        assert [round(60e3 * each) for each in again.feed[~again.rapid]] == [6000, 600]
-        return
-    assert written.divided >= 1
-    feeding = ~again.rapid
-    assert {round(60e3 * each) for each in again.feed[feeding][1:]} >= {600}
-    assert again.feed[feeding].max() > 0.09
-    assert np.allclose(again.tip[-1], toolpath.tip[-1])
-
-
-def changed(text, controller, wanted, machine="xyzac-trunnion"):
-    """A program with `wanted` feeds by line [m/s], others as they are: the path before, and what is written."""
-    machine = tp.Machine.load(machine)
-    source = Source.from_bytes(text.encode(), "part.nc")
-    options = ReadOptions(controller=tp.Controller.load(controller), setup=setup_of_text(SHEET))
-    toolpath = tp.read_text(text, machine, controller=controller, setup=options.setup)
-    own = toolpath.most_speed
-    feeds = np.array([wanted.get(line, feed) for line, feed in zip(toolpath.block.tolist(), own.tolist())])
-    feeds[~np.isfinite(feeds)] = 0.0
-    at = Places(np.arange(len(toolpath), dtype=float), np.cumsum(toolpath.way_length))
-    return toolpath, with_cut_feeds(source, machine, None, options, toolpath, FeedPlan((at,), (feeds,), ()))
-
-
-IN_TOOL_CALL = "BEGIN PGM A MM\nTOOL CALL 1 Z S6000 F500\nL X-30 Y0 Z20 FMAX M3\nL X-20\nL X90\nEND PGM A MM\n"
-IN_SUBPROGRAM = """G21 G90 G54 G17
-G0 X0 Y0 Z0
-G1 X10 F900
-M98 P100
-G1 X30
-M98 P100
-M30
-O100
-G91 G1 Y5
-G1 Y5 F200
-G90
-M99
-"""
-
-
-@pytest.mark.parametrize(
-    "text, controller, wanted",
-    [(IN_TOOL_CALL, "heidenhain", {4: 0.1}), (IN_SUBPROGRAM, "fanuc", {5: 0.1}), (IN_SUBPROGRAM, "fanuc", {3: 0.1})],
-)
-def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
-    before, written = changed(text, controller, wanted)
-    old, new = before.most_speed, written.toolpath.most_speed
-    other = ~np.isin(before.block, list(wanted))
-    assert np.allclose(new[other], old[other])
-
-
-def test_a_block_behind_a_skip_sign_finds_the_old_feed_in_force():
-    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\n/G1 X60\nG0 Z20\nM30\n"
-    before, written = changed(text, "linuxcnc", {3: 0.1})
-    assert 4 not in before.block
-    assert "G1 X30 F6000\nF600\n/G1 X60\n" in written.data.decode()
-
-
-def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_its_beginning():
-    text = "G21 G90 G54\nG0 X20 Y0 Z0\nG91 G1 X10 Y0 F600\nG90\nG1 X100\nM30\n"
-    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
-    toolpath = tp.read_text(text, machine, controller="linuxcnc")
-    way, last = np.cumsum(toolpath.way_length), len(toolpath) - 1
-    own = np.where(np.isfinite(toolpath.most_speed), toolpath.most_speed, 0.0)
-    # air on the first third of the last block
-    at = Places(np.append(np.arange(last), [last - 2 / 3, last]), np.append(way[:-1], [0.0, way[-1]]))
-    plan = FeedPlan((at,), (np.append(own[:-1], [0.1, 0.01]),), ())
-    new = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan).toolpath
-    border = (2.0 * toolpath.tip[-2] + toolpath.tip[-1]) / 3.0
-    beyond = (new.tip - border) @ toolpath.way[-1] > 1e-8
-    assert beyond.any() and np.allclose(new.most_speed[beyond], 0.01)
-
-
-def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
-    text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
-    machine = tp.Machine.load("xyzac-trunnion")
-    toolpath = tp.read_text(text, machine, controller="linuxcnc")
-    own, block = toolpath.most_speed, toolpath.block == 3
-    assert own[block].max() > 1.5 * own[block].min()
-    # where the tip is slow it is in air, else the program's feed is the most
-    feeds = np.where(block & (own < np.quantile(own[block], 0.9)), 10.0 * own, np.where(np.isfinite(own), own, 0.0))
-    plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
-    options = ReadOptions(controller=tp.Controller.load("linuxcnc"))
-    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
-    assert (written.toolpath.most_speed[block] <= feeds[block] * (1.0 + 1e-6)).all()
-
-
-def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():
-    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nG1 X60\nM30\n"
-    _, written = changed(text, "linuxcnc", {3: 0.97 / 60.0})
-    assert "G1 X30 F970\nF1000" in written.data.decode() and written.above == ()
-    text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
-    _, written = changed(text, "linuxcnc", {5: 0.01})
-    assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
-
-
-def test_a_table_of_points_is_refused_in_its_own_words():
-    text = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n0,0,0,0,0,1,600\n50,0,0,0,0,1,600\n90,0,0,0,0,1,600\n"
-    machine = tp.Machine.load("xyzac-trunnion")
-    source = Source.from_bytes(text.encode(), "a.csv")
-    with pytest.raises(UsageError, match="feeds: a table of points"):
-        toolpath = read_source(source, machine, None, ReadOptions())
-        with_cut_feeds(source, machine, None, ReadOptions(), toolpath, FeedPlan((), (), ()))
-
-
 def fed(program, rules, controller=None):
     """A program, cut as it is planned, and its new feeds: ends (k, 3) and feeds (k,) of its ways at feed [m], [m/s]."""
     machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
@@ -339,6 +183,75 @@ def fed(program, rules, controller=None):
     new = with_feeds(toolpath, machine, list(feeds.places), list(feeds.feeds))
     at_feed = ~new.rapid & (new.way_length > 0.0)
     return new.tip[at_feed], new.most_speed[at_feed]
+
+
+SHALLOW = (
+    "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\n(OPERATION: deep)\nG0 X-30 Y0 Z20\nG0 Z-6\nG1 X90 F600\nG0 Z20\n"
+    "G0 X-30 Y14\nG0 Z-2\nG1 X90\nG0 Z20\nM30\n"
+)
+FINISHING = FeedRules("learned", air_feed=0.05, finishing=True)
+
+
+def learned(text, rules):
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
+    toolpath = tp.read_text(text, machine, setup=setup)
+    simulation = tp.simulate_cut(
+        tp.plan_program(toolpath, machine, effort="low").trajectory, toolpath, setup, resolution=1e-3
+    )
+    return plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
+
+
+def test_teachers_are_listed_left_out_and_taken_from_another_program(tmp_path):
+    plan = learned(SHALLOW, FINISHING)
+    assert {each.line for each in plan.teachers} == {8} and plan.teachers[0].seconds > 1.0
+    save_teachers(plan.teachers, "deep.ngc", tmp_path)
+    others = load_teachers(tmp_path)
+    assert {each.program for each in others} == {"deep.ngc"} and others[0].figures == plan.teachers[0].figures
+    without = learned(SHALLOW, replace(FINISHING, not_teaching=frozenset(["8"])))
+    assert {each.line for each in without.teachers} == {12}
+    # at half of the feed the other program allows what that program has
+    slow = SHALLOW.replace("F600", "F300")
+    faster, alone = (learned(slow, replace(FINISHING, teachers=each)) for each in (others, ()))
+    time = [sum(each.after for each in plan.operations) for plan in (faster, alone)]
+    assert time[0] < 0.8 * time[1]
+    assert {each.program for each in faster.teachers} == {"", "deep.ngc"}
+    # a tool with other figures learns nothing from it
+    other = tuple(replace(each, figures=each.figures | {"teeth": "4"}) for each in others)
+    assert sum(each.after for each in learned(slow, replace(FINISHING, teachers=other)).operations) == time[1]
+
+
+@pytest.mark.parametrize("text", ["{}", "[1]", '{"teachers": [{"line": 3}]}', "no", '{"teachers": [7]}'])
+def test_a_file_of_teachers_that_is_damaged_is_refused(tmp_path, text):
+    with pytest.raises(UsageError, match="--save-teachers"):
+        load_teachers(tmp_path)
+    (tmp_path / "teachers.json").write_text(text)
+    with pytest.raises(UsageError, match="is no file of teachers"):
+        load_teachers(tmp_path)
+
+
+def test_what_stays_is_told_with_its_reason_and_a_guess_tells_what_might_be(cut):
+    _, setup, toolpath, simulation = cut
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1))
+    stays = sum(each.seconds for each in plan.kept)
+    assert any("something may be cut" in each.reason for each in plan.kept)
+    # 240 mm at 10 mm/s, of which 2 * 60 mm and the margins are in material
+    assert 12.0 < stays < 18.0
+    named = replace(toolpath, operations=tuple(replace(each, name="pocket") for each in toolpath.operations))
+    left = plan_feeds(simulation, named, tools, FeedRules(left_alone=frozenset(["pocket"])))
+    assert [each.reason for each in left.kept] == ["the operation is left as it is (--leave)"]
+    guess = replace(simulation, left=replace(simulation.left, guessed=True))
+    note = plan_feeds(guess, toolpath, tools, FeedRules(air_feed=0.1)).notes[-1]
+    assert "[[-35.0, -5.0, -2.0], [95.0, 19.0, " in note and "its 24.00 s at feed would be 15." in note
+
+
+def test_an_answer_that_hangs_on_a_moment_says_so():
+    """A short way straight into the side has thicker chips than the shoulders, which learn from it."""
+    shoulders = "".join(f"G0 X-6 Y{y}\nG0 Z-6\nG1 X65\nG0 Z20\n" for y in (-23.5, -22.0, -20.5, -19.0, -17.5))
+    into = "G0 X66.5 Y10\nG0 Z-9\nG1 X62.5\nG0 Z20\n"
+    plan = learned("G21 G90 G54 G17 F600\nT1 M6\nG43 H1\nS6000 M3\nG0 Z20\n" + shoulders + into + "M30\n", FINISHING)
+    assert any("hangs on few teachers" in each for each in plan.notes)
+    assert not any("hangs on few teachers" in each for each in learned(SHALLOW, FINISHING).notes)
 
 
 BEGIN = "G21 G90 G54 G17\nT1 M6\nG43 H1\nS6000 M3\nG0 X-30 Y0 Z20\nG0 Z-2\n"
@@ -422,30 +335,3 @@ def test_rules_that_speak_of_what_is_not_there_are_refused(cut):
         Steps(margin=math.nan)
     rules = FeedRules(limits={"": CutLimits(chip=1e-4, removal_rate=1e-6), "3": CutLimits(chip=2e-4)})
     assert rules.limits_of("3") == CutLimits(chip=2e-4, removal_rate=1e-6)
-
-
-def test_feeds_are_rounded_down():
-    values = (1234.9, 600.0, 599.9999999999, 0.123456, 98765.0)
-    assert [rounded_down(each) for each in values] == ["1230", "600", "600", "0.123", "98700"]
-
-
-def test_the_command_writes_the_program_and_tells_times(tmp_path, capsys):
-    program, sheet, new = tmp_path / "part.ngc", tmp_path / "sheet.toml", tmp_path / "new.ngc"
-    program.write_text(PROGRAM)
-    sheet.write_text(SHEET)
-    words = [str(program), "-m", "xyzac-trunnion", "--setup", str(sheet), "--resolution", "1mm", "--effort", "low"]
-    assert main(["feeds", *words, "--air-feed", "6000mm/min", "--out", str(new), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert {"controller", "before_s", "after_s", "operations", "blocks_changed", "largest"} <= set(found)
-    assert found["after_s"] < 0.8 * found["before_s"]
-    assert found["largest"]["1"]["chip_mm"]["after"] <= found["largest"]["1"]["chip_mm"]["before"] * (1.0 + 1e-9)
-    assert "F600" in new.read_text() and new.read_text() != PROGRAM
-    assert main(["feeds", *words, "--out", str(program)]) == 2
-    assert main(["feeds", *words, "--out", str(sheet)]) == 2
-    assert main(["feeds", *words, "--out", str(tmp_path / "none" / "new.ngc")]) == 2
-    assert (program.read_text(), sheet.read_text()) == (PROGRAM, SHEET)
-    twice = ["--feeds", "limits", "--limit", "chip=0.1mm", "--limit", "chip=0.2mm"]
-    assert main(["feeds", *words, *twice]) == 2
-    assert main(["feeds", *words, "--limit", "chip=0.1mm"]) == 2
-    assert main(["feeds", *words, "--feeds", "limits", "--limit", "chips=0.1mm"]) == 2
-    assert "did you mean 'chip'" in capsys.readouterr().err

@@ -114,7 +114,9 @@ def _show(console: Console, done: Batch) -> None:
     """A table, what is not well first, and where all of it is."""
     rows = sorted(done, key=lambda row: -row.exit_code)[:SHOWN]
     timed = any(row.optimum_s is not None for row in rows)
-    headings = ("program", "machine", "result", "time", *(["optimum"] if timed else []), "gap", "limited by", "took")
+    apart = any(row.air_s is not None for row in rows)
+    times = [*(["optimum"] if timed else []), *(["in air"] if apart else [])]
+    headings = ("program", "machine", "result", "time", *times, "gap", "limited by", "took")
     table = new_table(headings, left=("program", "machine", "result", "limited by"))
     for name, row in zip(short_names([row.program for row in rows]), rows):
         optimum = format_time(row.optimum_s) if row.optimum_s is not None else "-"
@@ -124,6 +126,7 @@ def _show(console: Console, done: Batch) -> None:
             row.verdict,
             format_time(row.duration_s) if row.duration_s is not None else "-",
             *([optimum] if timed else []),
+            *(["-" if row.air_s is None else format_time(row.air_s)] if apart else []),
             at_most(row.gap) if row.gap is not None else "-",
             f"{limit_in_words(row.limit)} {100.0 * row.limited_by[row.limit]:.0f} %" if row.limit else "-",
             "found" if row.found else format_time(row.seconds) if row.seconds else "-",

@@ -1,0 +1,185 @@
+"""The command `picture`: a planned motion at a moment as PNG, or a short animation of it as GIF, without a browser."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from toolpace.cli import options
+from toolpace.cli.console import Steps, new_console
+from toolpace.common.errors import UsageError, printable
+
+if TYPE_CHECKING:
+    from toolpace.results.picture.draw import ShownPlan
+
+SMALLEST, LARGEST = 64, 4000
+"""Sides of a picture [pixels]."""
+LONGEST = 60.0
+"""Of an animation [s]."""
+FRAMES_PER_SECOND = 12
+COLOURS = 96
+"""Of an animation."""
+STILL, MOVING = "1200x900", "480x360"
+View = Annotated[
+    str,
+    Parameter(help="From where: iso, top, front, right; machine shows the machine too."),
+]
+At = Annotated[str, Parameter(help="The moment: 12.5s, 3min; start or end.")]
+Out = Annotated[str | None, Parameter(name=["--out", "-o"], help="File for the picture: x.png.")]
+To = Annotated[str | None, Parameter(help="File for an animation in place of a picture: x.gif.")]
+Begin = Annotated[str, Parameter(help="Where the animation begins: 12.5s; start or end.")]
+Finish = Annotated[str, Parameter(help="Where it ends.")]
+Seconds = Annotated[str, Parameter(help="How long the animation plays.")]
+Size = Annotated[
+    str | None, Parameter(help=f"Width and height in pixels. {STILL} by default; of an animation {MOVING}.")
+]
+
+
+def picture_command(
+    directory: options.PlanFolder,
+    /,
+    *,
+    view: View = "iso",
+    at: At = "end",
+    out: Out = None,
+    to: To = None,
+    begin: Begin = "start",
+    finish: Finish = "end",
+    seconds: Seconds = "8s",
+    size: Size = None,
+) -> int:
+    """Draw a plan: the stock as it is at a moment, tool, fixtures, and the path by speed.
+
+    Nothing but the folder of the plan is needed, no browser and no display. What is
+    passed later is thin and grey. Stock, tools and fixtures are those of the set-up
+    sheet; without them there is the path and a thin tool.
+
+    For example:
+
+        toolpace picture part-plan -o part.png
+        toolpace picture part-plan --view top --at 12.5s -o part.png
+        toolpace picture part-plan --to part.gif --seconds 6s
+        toolpace picture part-plan --view machine --begin 10s --finish 20s --to part.gif
+    """
+    from toolpace.results.picture.draw import ShownPlan, direction_axes
+
+    if (out is None) == (to is None):
+        raise UsageError("picture: give one of --out x.png (a picture) and --to x.gif (an animation)")
+    target = file_of(out, ".png", "--out") if out is not None else file_of(to or "", ".gif", "--to")
+    pixels = sides(size or (STILL if out is not None else MOVING))
+    library()
+    direction_axes(view)
+    console = new_console()
+    steps = Steps(console)
+    with steps.step("loading") as step:
+        shown = ShownPlan.load(directory)
+        step.note = shown.workpiece.note
+    if out is not None:
+        with steps.step("drawing"):
+            write_picture(target, shown, moment(at, shown.duration, "--at"), view, pixels)
+    else:
+        span = moment(begin, shown.duration, "--begin"), moment(finish, shown.duration, "--finish")
+        long = length(seconds)
+        with steps.step("drawing") as step:
+            step.note = f"{write_animation(target, shown, span, long, view, pixels, step)} pictures"
+    console.print(f"written   {printable(str(target))}", soft_wrap=True)
+    return 0
+
+
+def file_of(name: str, suffix: str, option: str) -> Path:
+    """The file to write. Raises UsageError where its ending is another, or its folder is not there."""
+    found = Path(name)
+    if found.suffix.lower() != suffix:
+        cure = "; ffmpeg makes an mp4 of it" if found.suffix.lower() == ".mp4" else ""
+        raise UsageError(f"{option} {name[:80]}: it ends with {suffix}, like part{suffix}{cure}")
+    if not found.absolute().parent.is_dir():
+        raise UsageError(f"{option} {name[:80]}: its folder does not exist; make it first")
+    return found
+
+
+def sides(text: str) -> tuple[int, int]:
+    """Width and height [pixels]. Raises UsageError."""
+    wide, cross, tall = text.lower().partition("x")
+    if not (cross and wide.isdecimal() and tall.isdecimal() and len(text) < 12):
+        raise UsageError(f"--size {text[:40]}: give width and height, like {STILL}")
+    found = int(wide), int(tall)
+    if not all(SMALLEST <= each <= LARGEST for each in found):
+        raise UsageError(f"--size {text[:40]}: give sides from {SMALLEST} to {LARGEST} pixels")
+    return found
+
+
+def moment(text: str, duration: float, option: str) -> float:
+    """A time of the motion [s]. Raises UsageError where it has none such."""
+    from toolpace.cli import arguments
+
+    if text.strip() in ("start", "0", "0s"):
+        return 0.0
+    if text.strip() == "end":
+        return duration
+    found = arguments.time_option(option, text)
+    if found > duration * (1.0 + 1e-9):
+        raise UsageError(f"{option} {text[:40]}: the motion ends at {duration:.6g} s; give a time before that, or end")
+    return min(found, duration)
+
+
+def length(text: str) -> float:
+    """How long an animation plays [s]. Raises UsageError."""
+    from toolpace.cli import arguments
+
+    found = arguments.time_option("--seconds", text)
+    if not 1.0 / FRAMES_PER_SECOND <= found <= LONGEST:
+        raise UsageError(f"--seconds {text[:40]}: give a time up to {LONGEST:g}s")
+    return found
+
+
+def library() -> Any:
+    """What writes pictures. Raises UsageError, naming the extra, where it is missing."""
+    try:
+        from PIL import Image
+    except ImportError:
+        raise UsageError("pictures are written by Pillow: pip install 'toolpace[picture]'") from None
+    return Image
+
+
+def write_picture(target: Path, shown: ShownPlan, t: float, view: str, pixels: tuple[int, int]) -> None:
+    """Write a picture of a moment [s], whole or not at all."""
+    from toolpace.common.files import whole_file
+    from toolpace.results.picture.draw import picture
+
+    with whole_file(target) as temporary:
+        library().fromarray(picture(shown, t, view, pixels)).save(temporary, format="PNG", optimize=True)
+
+
+def write_animation(
+    target: Path,
+    shown: ShownPlan,
+    span: tuple[float, float],
+    seconds: float,
+    view: str,
+    pixels: tuple[int, int],
+    progress: Any,
+) -> int:
+    """Write an animation of a stretch of time [s], whole or not at all; return how many pictures it has."""
+    from toolpace.common.files import whole_file
+    from toolpace.results.picture.draw import picture
+
+    image = library()
+    count = max(math.ceil(seconds * FRAMES_PER_SECOND), 2)
+    frames = []
+    for k in range(count):
+        t = span[0] + (span[1] - span[0]) * k / (count - 1)
+        frames.append(image.fromarray(picture(shown, t, view, pixels)))
+        progress((k + 1) / count)
+    # one palette for all: what does not change is then the same in all of them, and takes no room
+    palette = frames[count * 2 // 3].quantize(COLOURS)
+    drawn = [each.quantize(palette=palette, dither=image.Dither.NONE) for each in frames]
+    # the last is looked at for a while
+    times = [round(1000 / FRAMES_PER_SECOND)] * (count - 1) + [1500]
+    with whole_file(target) as temporary:
+        drawn[0].save(
+            temporary, format="GIF", save_all=True, append_images=drawn[1:], duration=times, loop=0, optimize=False
+        )
+    return count

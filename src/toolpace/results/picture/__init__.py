@@ -1,0 +1,1 @@
+"""Pictures and short animations of a planned motion, drawn without a browser."""

@@ -1,0 +1,213 @@
+"""Programs written with new feeds: the same path, none faster than planned, in every dialect and mode of feed."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from tests.support.feed_programs import EXTRAS, MODES, SHEET, TWO_SLOTS, feed_program
+from tests.support.feed_read_back import check_new_feeds, random_plan
+from toolpace.cli import main
+from toolpace.common.errors import UsageError
+from toolpace.controls.export.cut_feeds import rounded_down, with_cut_feeds
+from toolpace.cutting.feeds.feed_plan import FeedPlan, plan_feeds
+from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.feeds.schedule import Places, Steps
+from toolpace.programs.reading import ReadOptions, Source, read_source
+from toolpace.programs.reading.setup_file import setup_of_text
+
+KLARTEXT = (
+    "BEGIN PGM A MM\nTOOL CALL 1 Z S6000\nL X-30 Y0 Z20 FMAX M3\nL Z-2 FMAX\nL X-20 F600\nL X90\nL Z20 FMAX\n"
+    "END PGM A MM\n"
+)
+
+
+@pytest.mark.parametrize("name, text", [("linuxcnc", TWO_SLOTS), ("heidenhain", KLARTEXT)])
+def test_the_feeds_of_a_cut_are_written_and_read_back(name, text):
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
+    options = ReadOptions(controller=tp.Controller.load(name), setup=setup)
+    toolpath = tp.read_text(text, machine, controller=name, setup=setup)
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3)
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    feeds = plan_feeds(simulation, toolpath, tools, FeedRules(air_feed=0.1, steps=Steps(ratio=1.05)))
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a"), machine, None, options, toolpath, feeds)
+    again = written.toolpath
+    if name == "heidenhain":
+        # its blocks are not divided: the feed of the cut holds in the whole block
+        assert (written.changed, written.divided) == (1, 0)
+        assert [round(60e3 * each) for each in again.feed[~again.rapid]] == [6000, 600]
+        return
+    assert written.divided >= 1
+    feeding = ~again.rapid
+    assert {round(60e3 * each) for each in again.feed[feeding][1:]} >= {600}
+    assert again.feed[feeding].max() > 0.09
+    assert np.allclose(again.tip[-1], toolpath.tip[-1])
+
+
+CASES = [(dialect, mode) for dialect, modes in MODES.items() for mode in (*modes, "mixed")]
+
+
+def read_back(dialect, mode, inch, five, seed):
+    """Lines of a random program with another feed, and how many should have one, after all was compared."""
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(SHEET)
+    controller = None if dialect == "cldata" else tp.Controller.load(dialect)
+    options = ReadOptions(controller=controller, setup=setup)
+    text = feed_program(dialect, mode, inch, five, EXTRAS, seed)
+    source = Source.from_bytes(text.encode(), "part.apt" if dialect == "cldata" else "part.nc")
+    toolpath = read_source(source, machine, None, options)
+    plan = random_plan(toolpath, seed)
+    written = with_cut_feeds(source, machine, None, options, toolpath, plan)
+    return written.changed, check_new_feeds(toolpath, plan, written)
+
+
+@pytest.mark.parametrize("dialect, mode", CASES)
+def test_every_mode_of_feed_reads_back_to_the_same_path_with_the_new_feeds(dialect, mode):
+    case = CASES.index((dialect, mode))
+    changed, wanted = read_back(dialect, mode, case % 2 == 0, case % 4 < 2, case)
+    assert 0.6 * wanted < changed
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("dialect, mode", CASES)
+def test_every_mode_of_feed_reads_back_in_many_programs(dialect, mode):
+    pairs = [read_back(dialect, mode, seed % 2 == 0, seed % 4 < 2, seed) for seed in range(1000, 1016)]
+    changed, wanted = (sum(each) for each in zip(*pairs))
+    assert 0.7 * wanted < changed
+
+
+def changed(text, controller, wanted, machine="xyzac-trunnion"):
+    """A program with `wanted` feeds by line [m/s], others as they are: the path before, and what is written."""
+    machine = tp.Machine.load(machine)
+    source = Source.from_bytes(text.encode(), "part.nc")
+    options = ReadOptions(controller=tp.Controller.load(controller), setup=setup_of_text(SHEET))
+    toolpath = tp.read_text(text, machine, controller=controller, setup=options.setup)
+    own = toolpath.most_speed
+    feeds = np.array([wanted.get(line, feed) for line, feed in zip(toolpath.block.tolist(), own.tolist())])
+    feeds[~np.isfinite(feeds)] = 0.0
+    at = Places(np.arange(len(toolpath), dtype=float), np.cumsum(toolpath.way_length))
+    return toolpath, with_cut_feeds(source, machine, None, options, toolpath, FeedPlan((at,), (feeds,), ()))
+
+
+IN_TOOL_CALL = "BEGIN PGM A MM\nTOOL CALL 1 Z S6000 F500\nL X-30 Y0 Z20 FMAX M3\nL X-20\nL X90\nEND PGM A MM\n"
+IN_SUBPROGRAM = """G21 G90 G54 G17
+G0 X0 Y0 Z0
+G1 X10 F900
+M98 P100
+G1 X30
+M98 P100
+M30
+O100
+G91 G1 Y5
+G1 Y5 F200
+G90
+M99
+"""
+
+
+@pytest.mark.parametrize(
+    "text, controller, wanted",
+    [(IN_TOOL_CALL, "heidenhain", {4: 0.1}), (IN_SUBPROGRAM, "fanuc", {5: 0.1}), (IN_SUBPROGRAM, "fanuc", {3: 0.1})],
+)
+def test_blocks_that_keep_their_text_keep_their_feed(text, controller, wanted):
+    before, written = changed(text, controller, wanted)
+    old, new = before.most_speed, written.toolpath.most_speed
+    other = ~np.isin(before.block, list(wanted))
+    assert np.allclose(new[other], old[other])
+
+
+def test_a_block_behind_a_skip_sign_finds_the_old_feed_in_force():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\n/G1 X60\nG0 Z20\nM30\n"
+    before, written = changed(text, "linuxcnc", {3: 0.1})
+    assert 4 not in before.block
+    assert "G1 X30 F6000\nF600\n/G1 X60\n" in written.data.decode()
+
+
+def test_pieces_of_a_block_end_where_its_feeds_change_though_increments_led_to_its_beginning():
+    text = "G21 G90 G54\nG0 X20 Y0 Z0\nG91 G1 X10 Y0 F600\nG90\nG1 X100\nM30\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    way, last = np.cumsum(toolpath.way_length), len(toolpath) - 1
+    own = np.where(np.isfinite(toolpath.most_speed), toolpath.most_speed, 0.0)
+    # air on the first third of the last block
+    at = Places(np.append(np.arange(last), [last - 2 / 3, last]), np.append(way[:-1], [0.0, way[-1]]))
+    plan = FeedPlan((at,), (np.append(own[:-1], [0.1, 0.01]),), ())
+    new = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan).toolpath
+    border = (2.0 * toolpath.tip[-2] + toolpath.tip[-1]) / 3.0
+    beyond = (new.tip - border) @ toolpath.way[-1] > 1e-8
+    assert beyond.any() and np.allclose(new.most_speed[beyond], 0.01)
+
+
+def test_a_block_too_short_for_a_station_keeps_its_feed_or_is_lowered_with_the_next():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\nG1 X30.1 F300\nG1 X30.2 F3000\nG1 X60 F600\nM30\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    last = len(toolpath) - 1
+    at = Places(np.array([last - 4.0, last - 3.0, last]), np.array([0.0, 30e-3, 60e-3]))
+    for feed, new in ((0.01, (600, 300, 3000, 600)), (0.05, (600, 300, 3000, 3000)), (0.008, (600, 300, 480, 480))):
+        plan = FeedPlan((at,), (np.array([0.01, 0.01, feed]),), ())
+        written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
+        assert [round(60e3 * each) for each in written.toolpath.most_speed[-4:]] == list(new)
+        assert (written.data.decode() == text) == (feed == 0.01)
+
+
+def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_plan():
+    text = "G21 G90 G54 G94\nG0 X20 Y0 Z5 A0 C0\nG1 X80 Y30 A40 C90 F500\nM30\n"
+    machine = tp.Machine.load("xyzac-trunnion")
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    own, block = toolpath.most_speed, toolpath.block == 3
+    assert own[block].max() > 1.5 * own[block].min()
+    # where the tip is slow it is in air, else the program's feed is the most
+    feeds = np.where(block & (own < np.quantile(own[block], 0.9)), 10.0 * own, np.where(np.isfinite(own), own, 0.0))
+    plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
+    options = ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
+    assert (written.toolpath.most_speed[block] <= feeds[block] * (1.0 + 1e-6)).all()
+
+
+def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nG1 X60\nM30\n"
+    _, written = changed(text, "linuxcnc", {3: 0.97 / 60.0})
+    assert "G1 X30 F970\nF1000" in written.data.decode() and written.above == ()
+    text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
+    _, written = changed(text, "linuxcnc", {5: 0.01})
+    assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
+
+
+def test_a_table_of_points_is_refused_in_its_own_words():
+    text = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n0,0,0,0,0,1,600\n50,0,0,0,0,1,600\n90,0,0,0,0,1,600\n"
+    machine = tp.Machine.load("xyzac-trunnion")
+    source = Source.from_bytes(text.encode(), "a.csv")
+    with pytest.raises(UsageError, match="feeds: a table of points"):
+        toolpath = read_source(source, machine, None, ReadOptions())
+        with_cut_feeds(source, machine, None, ReadOptions(), toolpath, FeedPlan((), (), ()))
+
+
+def test_feeds_are_rounded_down():
+    values = (1234.9, 600.0, 599.9999999999, 0.123456, 98765.0)
+    assert [rounded_down(each) for each in values] == ["1230", "600", "600", "0.123", "98700"]
+
+
+def test_the_command_writes_the_program_and_tells_times(tmp_path, capsys):
+    program, sheet, new = tmp_path / "part.ngc", tmp_path / "sheet.toml", tmp_path / "new.ngc"
+    program.write_text(TWO_SLOTS)
+    sheet.write_text(SHEET)
+    words = [str(program), "-m", "xyzac-trunnion", "--setup", str(sheet), "--resolution", "1mm", "--effort", "low"]
+    assert main(["feeds", *words, "--air-feed", "6000mm/min", "--out", str(new), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"controller", "before_s", "after_s", "operations", "blocks_changed", "largest"} <= set(found)
+    assert found["after_s"] < 0.8 * found["before_s"]
+    assert found["largest"]["1"]["chip_mm"]["after"] <= found["largest"]["1"]["chip_mm"]["before"] * (1.0 + 1e-9)
+    assert "F600" in new.read_text() and new.read_text() != TWO_SLOTS
+    assert main(["feeds", *words, "--out", str(program)]) == 2
+    assert main(["feeds", *words, "--out", str(sheet)]) == 2
+    assert main(["feeds", *words, "--out", str(tmp_path / "none" / "new.ngc")]) == 2
+    assert (program.read_text(), sheet.read_text()) == (TWO_SLOTS, SHEET)
+    twice = ["--feeds", "limits", "--limit", "chip=0.1mm", "--limit", "chip=0.2mm"]
+    assert main(["feeds", *words, *twice]) == 2
+    assert main(["feeds", *words, "--limit", "chip=0.1mm"]) == 2
+    assert main(["feeds", *words, "--feeds", "limits", "--limit", "chips=0.1mm"]) == 2
+    assert "did you mean 'chip'" in capsys.readouterr().err
