@@ -38,6 +38,8 @@ SPEED = 1e-4
 STATIONS, IMMERSION = 12, 0.03
 """Stations of a file that are looked at, and the share of a turn by which their engagement may be off the judge's: at
 an entry or an exit it changes by that from one set-point to the next, and cells tell edges to half of their size."""
+NEAR = 4
+"""Places in a cell at which an engagement is looked at that is known to a cell, before and behind."""
 THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
 PLACE = 1e-5
@@ -206,6 +208,18 @@ class CutJudge:
         cutting = Cutting(tool, shape, coefficients, self._turns(row, tool))
         return Instant(row, operation, speed, section, loads_of(section, cutting, velocity, axis, turning))
 
+    def sections_near(self, row: int, way: float) -> list[Section]:
+        """Those at NEAR set-points before and behind one, as far as the tip moves by `way` [m] and goes on cutting."""
+        tip = self.points.tip
+        found = []
+        for step in (-1, 1):
+            off = np.linalg.norm(tip[row::step] - tip[row], axis=1)
+            beyond = np.flatnonzero((off > way) | (self.operation[row::step] != self.operation[row]))
+            reach = min(int(beyond[0]) if len(beyond) else len(off) - 1, max(len(off) - 2, 0))
+            rows = {row + step * k * reach // NEAR for k in range(NEAR + 1)}
+            found += [each.section for each in map(self.instant, sorted(rows)) if each is not None]
+        return found
+
     def tool_of(self, instant: Instant) -> str:
         """As the program calls it."""
         return self.toolpath.operations[instant.operation].tool
@@ -322,21 +336,29 @@ def engagement_check(judge: CutJudge, file: Mapping[str, Floats | Ints], station
         arcs, high = slice(first[i], first[i + 1]), float(file["engagement slice_height"][i])
         angle = file["engagement exit"][arcs] - file["engagement entry"][arcs]
         said = np.bincount(file["engagement slice"][arcs], angle).astype(np.float64)
-        share = immersion_off(said, high, seen.section) / (2.0 * math.pi)
+        share = immersion_off(said, high, [seen.section]) / (2.0 * math.pi)
+        if share > IMMERSION:
+            # in a corner it changes by much within the cell that it is known to
+            share = immersion_off(said, high, judge.sections_near(row, judge.promise.resolution)) / (2.0 * math.pi)
         if share > worst.value:
             worst = Check(name, share, IMMERSION, "", share <= IMMERSION, time, block, note="share of a turn")
     return worst
 
 
-def immersion_off(said: Floats, slice_height: float, section: Section) -> float:
-    """By how much angles in material (k,), slice by slice from the tip on, are off those of a section, as a mean over
-    the slices whose middle is certainly below or above its top [rad]."""
-    top = len(section.height) * section.slice_height
-    count = max(len(said), math.ceil(top / slice_height), 1)
+def immersion_off(said: Floats, slice_height: float, sections: Sequence[Section]) -> float:
+    """By how much angles in material (k,), slice by slice from the tip on, are beyond those of sections at places next
+    to each other, as a mean over the slices whose middle is certainly below or above their tops [rad]."""
+    tops = [len(each.height) * each.slice_height for each in sections]
+    count = max(len(said), math.ceil(max(tops) / slice_height), 1)
     middle = (np.arange(count) + 0.5) * slice_height
-    right = np.interp(middle, section.height, section.immersion, right=0.0) if top > 0.0 else np.zeros(count)
-    clear = np.abs(middle - top) > 0.5 * slice_height + section.slice_height
-    off = np.abs(np.pad(said, (0, count - len(said))) - right)
+    clear = np.ones(count, dtype=np.bool_)
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    for each, top in zip(sections, tops):
+        right = np.interp(middle, each.height, each.immersion, right=0.0) if top > 0.0 else np.zeros(count)
+        low, high = np.minimum(low, right), np.maximum(high, right)
+        clear &= np.abs(middle - top) > 0.5 * slice_height + each.slice_height
+    angle = np.pad(said, (0, count - len(said)))
+    off = np.maximum(np.maximum(low - angle, angle - high), 0.0)
     return float(off[clear].mean()) if clear.any() else 0.0
 
 
