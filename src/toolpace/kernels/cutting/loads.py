@@ -43,7 +43,7 @@ def summit(values: Floats, k: int) -> float:
     by the lesser slope of the last two steps each.
     """
     n = len(values)
-    best = values[k]
+    best: float = values[k]
     for left in range(k - 1, k + 1):
         rise = min(values[left % n] - values[(left - 1) % n], values[(left - 1) % n] - values[(left - 2) % n])
         right = (left + 1) % n
