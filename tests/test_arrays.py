@@ -19,15 +19,18 @@ ARRAYS = ("Floats", "Ints", "Bools", "ArrayLike")
 pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called tip= now")
 
 RESULTS = (
-    "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "LeftRegion", "Motion", "PathJet", "PlaceMap",
-    "PlannedSetUp", "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
+    "ActiveLimits", "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "LeftRegion", "Motion", "PathJet",
+    "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
     "deflection.Projection", "PathRun",
 )  # fmt: skip
 """What functions return: nothing public takes one, and nobody need make one."""
 SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
 """Shares of a search, one a name: no array of any shape goes in."""
-BETWEEN_ROOMS = ("Trajectory.put_motion", "SetPoints.at", "SetPoints.times", "Stations.where", "ToolProfile.surface")
-"""Sampling, judge and the simulation of a cut call them with arrays that they have made."""
+BETWEEN_ROOMS = (
+    "Trajectory.put_motion", "SetPoints.at", "SetPoints.times", "Stations.where", "ToolProfile.surface",
+    "Rows.ratio", "Rows.shares", "Rows.steady",
+)  # fmt: skip
+"""Planner, sampling, judge and the simulation of a cut call them with arrays that they have made."""
 LIVE = ("Measurement", "Measurement.write")
 """A follower takes any figures, and says what it made of them: tests/follow."""
 

@@ -24,6 +24,7 @@ TESTED = {
     "08_waypoints",
     "09_back_onto_the_path",
     "10_follow_a_disturbed_run",
+    "11_limits_of_your_own",
 }
 
 
@@ -121,6 +122,23 @@ def test_back_onto_the_path():
     assert example.again.usage().worst <= 1.0001
     assert 0.0 < example.off[0] <= np.linalg.norm(example.measured - example.commanded)
     assert example.off[-1] < 1e-9
+
+
+def test_limits_of_your_own(capsys):
+    example = load("11_limits_of_your_own")
+    assert capsys.readouterr().out.splitlines()[-1] == "True"
+    durations = [each.duration for each in example.plans.values()]
+    assert durations == sorted(durations)
+    assert max(example.full.usage().rows.values()) <= 1.0001
+    # the torques that were asked for are those that move the arm: their work is what its energy gains
+    motion = example.full.at(np.linspace(0.0, example.full.duration, 20_001))
+    torque = example.torques(np.stack([motion.q, motion.qd, motion.qdd, motion.qddd]))[:, :, 1]
+    u, v = motion.qd.T
+    cos = example.COUPLING * np.cos(motion.q[:, 1])
+    energy = 0.5 * (example.INERTIA + 2.0 * cos) * u * u + (example.ELBOW + cos) * u * v + 0.5 * example.ELBOW * v * v
+    power = (torque * motion.qd).sum(axis=1)
+    work = np.cumsum((power[1:] + power[:-1]) / 2.0) * example.full.duration / 20_000
+    assert np.allclose(work, energy[1:], atol=1e-6 * energy.max())
 
 
 def test_follow_a_disturbed_run():

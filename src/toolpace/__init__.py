@@ -53,7 +53,9 @@ if TYPE_CHECKING:
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
+    from toolpace.machine.rows import Rows
     from toolpace.motion import Motion, Usage
+    from toolpace.motion.active_limits import ActiveLimits, ActiveStretch
     from toolpace.motion.laws import Probe, TimeLaw
     from toolpace.motion.set_point_files import read_set_points
     from toolpace.motion.setpoints import SetPoints
@@ -88,6 +90,8 @@ if TYPE_CHECKING:
     from toolpace.setup_search.search import search_setup
 
 __all__ = [
+    "ActiveLimits",
+    "ActiveStretch",
     "AxisPath",
     "AxisRun",
     "Batch",
@@ -151,6 +155,7 @@ __all__ = [
     "Progress",
     "ReadBack",
     "Round",
+    "Rows",
     "Sampled",
     "SecondOrder",
     "SetPoint",
@@ -207,6 +212,8 @@ __all__ = [
 ]
 
 _HOME = {
+    "ActiveLimits": "motion.active_limits",
+    "ActiveStretch": "motion.active_limits",
     "AxisPath": "path.axis_path",
     "AxisRun": "path.axis_run",
     "Batch": "jobs.batch",
@@ -269,6 +276,7 @@ _HOME = {
     "ProgramTime": "controls.timing.program_time",
     "Progress": "common.workers",
     "ReadBack": "controls.export",
+    "Rows": "machine.rows",
     "Round": "planning.path_and_pace.alternating",
     "Sampled": "judge",
     "SecondOrder": "planning.second_order",

@@ -19,6 +19,15 @@ CENTRE = {"option": "compensation", "value": "program", "lines": [9]}
 MACHINE = "xyzac-trunnion"
 NAME = "a&b;$(x) 'c'.h"
 HOSTILE = "<img src=x onerror=alert`1`>"
+SHEET = """[stock]
+box = [[0, -10, -10], [40, 10, 0]]
+[tools.1]
+kind = "flat"
+diameter = 10
+flute_length = 20
+teeth = 3
+length = 100
+"""
 SHORT = "G21 G90 G17 G94\nG0 X0 Y0 Z1 A0 C0\nG1 Z0 F1500\nG1 X1\nM2\n"
 
 
@@ -218,6 +227,26 @@ def test_a_link_that_was_put_in_place_of_a_result_leads_nowhere(tmp_path, app, p
     (tmp_path / "moved").rename(folder)
     report.write_bytes(kept)
     assert app.ask("GET", f"/report/{job}").status == 200
+
+
+@pytest.mark.sweep
+def test_feeds_by_the_cut_are_planned_and_loaded(tmp_path):
+    """In air before and behind a box of 40 mm; without the tool on the sheet it is one line, with its cure."""
+    way = "G21 G90 G17 G94\nT1 M6\nS8000 M3\nG43.4 H1\nG0 X-60 Y0 Z30 A0 C0\nG1 Z-2 F600\nG1 X100\nG0 Z30\nM2\n"
+    with app_client(tmp_path) as app:
+        part = app.upload("face.ngc", way)
+        lacks = app.job(app.start(part, feeds="air", effort="low"))
+        assert lacks["error"].startswith("face.ngc:6: tool 1 is not on the sheet") and not lacks["report"]
+        app.upload("sheet.toml", SHEET, part)
+        usual, air = (app.job(app.start(part, effort="low", **more)) for more in
+                      ({}, {"feeds": "air", "air_feed": "3000mm/min"}))
+        assert (air["verdict"], air["error"]) == ("verified", "") and air["duration_s"] < 0.75 * usual["duration_s"]
+        text = app.ask("GET", f"/program/{air['id']}").text
+        assert "F3000" in text and "F600" in text and text.count("\n") > way.count("\n")
+        page = app.ask("GET", f"/feeds/{air['id']}")
+        assert page.status == 200 and page.headers["content-security-policy"].startswith("sandbox")
+        assert "toolpace feeds face.ngc" in air["command"] and "--air-feed 3000mm/min" in air["command"]
+        assert app.ask("GET", f"/feeds/{usual['id']}").status == 404
 
 
 @pytest.mark.sweep

@@ -137,6 +137,22 @@ def test_prove_raises_the_bound_and_says_where_it_stays_open(planned, capsys):
     assert main(["verify", str(out)]) == 0
 
 
+def test_prices_are_shown_and_judged_where_they_are_asked_for(planned, capsys):
+    words = ["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--effort", "low", "--no-report", "--prices"]
+    out = planned / "priced"
+    assert main([*words, "--out", str(out)]) == 0
+    output = capsys.readouterr().out
+    assert re.search(r"jerk of C +10000 deg/s\^3 +[\d.]+ m?s, [\d.]+ % +[\d.]+ m?s, [\d.]+ %", output)
+    assert "nothing saved by more of" in output
+    plan = json.loads((out / "plan.json").read_text())
+    assert list(plan["prices_s"].values()) == sorted(plan["prices_s"].values(), reverse=True)
+    assert json.loads((planned / "plan" / "plan.json").read_text())["prices_s"] == {}
+    assert main(["verify", str(out)]) == 0
+    assert re.search(r"plan.json prices_s .* ok", capsys.readouterr().out)
+    assert main([*words, "--planner", "genetic"]) == 2
+    assert "--prices goes with the planner 'optimal'" in capsys.readouterr().err
+
+
 def test_prove_goes_with_the_optimal_planner_only(planned, capsys):
     words = ["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--prove"]
     assert main([*words, "--planner", "genetic"]) == 2

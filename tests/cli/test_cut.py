@@ -123,6 +123,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     assert volume == pytest.approx(record["left_mm3"], rel=0.02)
     page = (place / "cut-1.html").read_text()
+    assert "holder is not told" in page.split("<script")[0]
     assert "slot.ngc cuts</title>" in page and "http://" not in page.split("<script")[0]
 
 
@@ -149,6 +150,35 @@ def test_sizes_that_make_no_sense_are_refused(folder, capsys, option, value):
     assert option in capsys.readouterr().err
 
 
+def test_the_unit_that_was_assumed_is_said_beside_the_figures(folder, capsys):
+    """A program of inches without G20 removes a fraction of what is meant: the reason has to be there."""
+    (folder / "unit.ngc").write_text("O1234\nG90 G94\nT1 M6\nG0 X-10 Y10 Z5\nG1 Z-2 F3000\nX30\nG0 Z5\nM30\n")
+    assert run(folder, "unit.ngc", "--json", "--controller", "fanuc") == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert any("unit of lengths" in sentence for sentence in found["assumed"])
+
+
+def test_files_of_the_stock_are_numbered_as_the_rows_of_the_table(folder, capsys):
+    """Before its first tool a program has an operation that cuts nothing: it is no row."""
+    (folder / "late.ngc").write_text(SLOT.replace("T1 M6\n", "G0 Z50\nT1 M6\n"))
+    place = folder / "late"
+    assert run(folder, "late.ngc", "--out", str(place)) == 0
+    out = capsys.readouterr().out
+    assert sorted(each.name for each in place.glob("stock-*")) == ["stock-1-1.stl"]
+    assert "names no tool" not in out
+
+
+def test_a_question_of_the_stock_s_unit_is_asked_once(folder, capsys):
+    from toolpace.cutting.stock.dexels import _box_triangles
+    from toolpace.results.cut.folder import write_stl
+
+    inch = 1e-3 / 25.4
+    low, high = np.array([-8.0, 0.0, -10.0]), np.array([28.0, 20.0, 0.0])
+    write_stl(folder / "inch.stl", _box_triangles(low * inch, high * inch))
+    (folder / "inch.toml").write_text('[stock]\nmesh = "inch.stl"\n' + SHEET[SHEET.index("[tools.1]") :])
+    (folder / "near.ngc").write_text(SLOT.replace("Y10", "Y0.3"))
+    run(folder, "near.ngc", "--json", sheet="inch.toml")
+    assert capsys.readouterr().err.count("is it in inches?") == 1
 def test_the_page_of_a_crash_leads_to_it_and_a_second_program_begins_with_what_the_first_left(folder, tmp_path):
     pytest.importorskip("pyarrow")
     place = tmp_path / "out"

@@ -85,6 +85,8 @@ FIGURES = {
         ),
         "limited_by dwell",
     ),
+    "prices of another motion": (put("prices_s", {"feed": 1.0}), "prices_s"),
+    "a price of nothing known": (put("prices_s", {"magic": 0.01}), "prices_s"),
     "tip deviation": (put("tip_deviation_mm", times(0.9)), "tip_deviation_mm"),
     "axis deviation": (put("axis_deviation_deg", None), "axis_deviation_deg"),
     "machine": (put("machine", "another"), "machine"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,18 @@ def test_a_feed_move_that_cuts_nothing_is_found():
     assert not found.collisions
 
 
+def test_a_block_that_rapids_part_cuts_where_one_of_its_parts_does():
+    """The first peck of a drilling cycle may end above the stock."""
+    pecks = [[10, 5, 4], [10, 5, 2], [10, 5, 4], [10, 5, 2], [10, 5, -2], [10, 5, 4]]
+    rapid = [True, False, True, True, False, True]
+    peck = way(pecks, rapid)
+    cycle = replace(peck, block=np.full(len(peck), 7))
+    assert [each.line for each in cut(peck).findings] == [2]
+    assert not cut(cycle).findings
+    above = replace(cycle, tip=cycle.tip + np.array([0.0, 0.0, 5 * MM]))
+    assert [(each.kind, each.line) for each in cut(above).findings] == [("air", 7)]
+
+
 def test_a_rapid_through_material_is_found_with_its_depth_and_place():
     found = cut(way([[-10, 5, 5], [-10, 5, -1.5], [30, 5, -1.5], [30, 5, 5]], [True] * 4))
     (hit,) = found.findings
@@ -210,4 +223,4 @@ def test_an_operation_without_a_tool_is_passed_over():
         resolution=CELL, after_operation=lambda k, stock: ended.append(k),
     )  # fmt: skip
     assert [each.name for each in found.operations] == ["work"]
-    assert ended == [0, 1]
+    assert ended == [0]

@@ -1,5 +1,3 @@
-"use strict";
-// All text goes into the page as text: names and comments come from files.
 const $ = (id) => document.getElementById(id);
 const OFTEN = 700, SELDOM = 2500;
 const FEEDS = [
@@ -18,33 +16,8 @@ const OPTIONS = {
   setup: () => "Write a set-up sheet to fill in", "tool-length": () => "Give the length of the tool",
   lenient: () => "Read on where the meaning is certain", "skip-unknown": () => "Skip what is not read",
 };
-let state = null, chosen = decodeURIComponent(location.hash.slice(1)), comparison = null;
-const forms = {}, drafts = {}, compared = new Set(), drawn = {};
-
-function h(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
-    else if (name in element && typeof value !== "string") element[name] = value;
-    else if (value !== false && value !== null) element.setAttribute(name, value === true ? "" : value);
-  }
-  element.append(...children.flat().filter((child) => child !== null && child !== ""));
-  return element;
-}
-const button = (text, onclick, kind = "plain", more = {}) => h("button", { type: "button", class: kind, onclick, ...more }, text);
-const seconds = (t) => t === null ? "" : t < 60 ? `${t.toPrecision(4)} s` : `${Math.floor(t / 60)} min ${(t % 60).toFixed(1)} s`;
-
-/* Replaces what is in a place where its data have changed; what has the focus, or is unfolded, stays so. */
-function put(place, key, data, make) {
-  const text = JSON.stringify(data);
-  if (drawn[key] === text && place.childNodes.length) return;
-  drawn[key] = text;
-  const focus = place.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
-  const open = new Set([...place.querySelectorAll("details[open]")].map((each) => each.dataset.fold));
-  place.replaceChildren(...[make()].flat());
-  for (const each of place.querySelectorAll("details")) each.open ||= open.has(each.dataset.fold);
-  if (focus) place.querySelector(`[data-focus="${CSS.escape(focus)}"]`)?.focus();
-}
+let state = null, chosen = location.hash.slice(1), comparison = null;
+const forms = {}, drafts = {}, compared = new Set();
 
 async function call(method, path, body) {
   let answer;
@@ -115,7 +88,7 @@ async function upload(files) {
 function choose(part) {
   if (part !== chosen) { compared.clear(); comparison = null; }
   chosen = part;
-  history.replaceState(null, "", `#${encodeURIComponent(part)}`);
+  history.replaceState(null, "", `#${part}`);
 }
 
 // what is shown
@@ -333,6 +306,7 @@ function jobPanel(part, job, first) {
   const act = (words, method, path) => button(words, () => go(method, path), "plain", { "data-focus": `${words} ${job.id}` });
   const buttons = [
     job.report ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/report/${job.id}`, "data-focus": `look ${job.id}` }, "Look") : null,
+    job.feeds_page ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/feeds/${job.id}`, "data-focus": `feeds ${job.id}` }, "Feeds") : null,
     job.program ? h("a", { class: "plain", href: `/program/${job.id}`, download: "", "data-focus": `load ${job.id}` }, "Load program") : null,
     ended ? button("Change", () => change(part, request), "plain", { "data-focus": `change ${job.id}` }) : act("Stop", "POST", `/api/jobs/${job.id}/stop`),
     job.state === "stopped" || (ended && job.error) ? act("Again", "POST", `/api/jobs/${job.id}/again`) : null,

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 import secrets
+import shlex
 import shutil
 import tomllib
 from collections.abc import Iterator
@@ -36,6 +37,8 @@ MARK = ".toolpace-app"
 UPLOAD = ".upload-"
 """How the name of a file begins that is being received."""
 ID = re.compile(r"[0-9a-f]{12}")
+FEEDS_PAGE = ".feeds.html"
+"""The page of new feeds in the folder of a job; no file of a part has such a name."""
 SHEET = "setup.toml"
 """Name of a set-up sheet that is written in the page."""
 LONGEST_NAME = 200
@@ -301,6 +304,28 @@ class Project:
             "effort": request.effort,
             "tool_length": units.parse_length(request.tool_length) if request.tool_length else None,
         }
+
+
+def command_of(part: Part, job: AppJob) -> str:
+    """The command that does the same in the folder of the part's files."""
+    request, reading = job.request, job.reading
+    words = ["toolpace", "plan", part.program, "-m", request.machine]
+    words += ["--tip-tolerance", request.tip_tolerance] if request.tip_tolerance else []
+    words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
+    words += ["--effort", request.effort] if request.effort != "normal" else []
+    words += ["--tool-length", request.tool_length] if request.tool_length else []
+    how = ["--setup", part.sheet] if part.sheet else []
+    how += ["--controller", part.controller or reading.controller] if part.controller or reading.controller else []
+    for name in ("dialect", "compensation", "columns", "units"):
+        how += [f"--{name}", getattr(reading, name)] if getattr(reading, name) else []
+    how += [f"--{name.replace('_', '-')}" for name in ("skip_unknown", "lenient") if getattr(reading, name)]
+    how += ["--max-blocks", str(reading.max_blocks)] if reading.max_blocks else []
+    if request.feeds in CUT_FEEDS:
+        new = f"new-{part.program}"
+        feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
+        feeds += ["--air-feed", request.air_feed] if request.air_feed else []
+        return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
+    return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])
 
 
 def _records(folder: Path, name: str, kind: type[Record]) -> list[Record]:

@@ -72,6 +72,7 @@ def application(service: Service, port: int, token: str, largest: int = LARGEST_
         ("GET", "/api/compare/{name}", handlers.is_compared),
         ("GET", "/compare/{name}", handlers.comparison),
         ("GET", "/report/{job}", handlers.report),
+        ("GET", "/feeds/{job}", handlers.feeds_page),
         ("GET", "/program/{job}", handlers.program),
     ]
     routes = [Route(path, _answered(handler), methods=[method]) for method, path, handler in table]
@@ -120,7 +121,7 @@ class _Handlers:
         name = request.path_params["asset"]
         if name not in ASSETS:
             raise Refused(404, "there is nothing here")
-        text = _text("page.js")
+        text = _text("elements.js") + _text("page.js")
         if name.endswith(".css"):
             shell = files("toolpace.results.report").joinpath("shell.css").read_text(encoding="utf-8")
             text = shell + _text("page.css")
@@ -192,6 +193,9 @@ class _Handlers:
 
     async def report(self, request: HttpRequest) -> Response:
         return self._page_of_results(self.service.report(request.path_params["job"]))
+
+    async def feeds_page(self, request: HttpRequest) -> Response:
+        return self._page_of_results(self.service.feeds_page(request.path_params["job"]))
 
     async def program(self, request: HttpRequest) -> Response:
         from starlette.responses import FileResponse

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shlex
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ import msgspec
 from toolpace.app.project import (
     COMPARISONS,
     CUT_FEEDS,
+    FEEDS_PAGE,
     MACHINES,
     PLANS,
     SHEET,
@@ -23,6 +23,7 @@ from toolpace.app.project import (
     Reading,
     Request,
     checked_name,
+    command_of,
     new_id,
     now,
     role_of,
@@ -250,6 +251,11 @@ class Service:
             raise NotFoundError("this job has no report")
         return self._own_file(self.project.root / PLANS / row.folder / RESULTS["plan"])
 
+    def feeds_page(self, job: str) -> Path:
+        """The page of what feeds by the cut are and gain. Raises NotFoundError."""
+        self._job(job)
+        return self._own_file(self.project.job_folder(job) / FEEDS_PAGE)
+
     def program(self, job: str) -> tuple[Path, str]:
         """The program of a job that a control loads, and a name for it. Raises NotFoundError."""
         found = self._job(job)
@@ -311,6 +317,7 @@ class Service:
                     "began": entry.began if entry is not None else 0.0,
                     "steps": list(entry.steps) if entry is not None else [],
                     "error": job.error, "notes": list(job.notes), "program": bool(job.program),
+                    "feeds_page": bool(job.program) and job.request.feeds in CUT_FEEDS,
                     "command": command_of(self.project.parts[job.part], job) if job.part in self.project.parts else "",
                     **_row_record(job),
                 })  # fmt: skip
@@ -375,25 +382,3 @@ def _row_record(job: AppJob) -> dict[str, Any]:
         "limits": ", ".join(f"{limit_words(name)} {percent(share)}" for name, share in limits if share >= 0.01),
         "report": bool(row.folder),
     }
-
-
-def command_of(part: Part, job: AppJob) -> str:
-    """The command that does the same in the folder of the part's files."""
-    request, reading = job.request, job.reading
-    words = ["toolpace", "plan", part.program, "-m", request.machine]
-    words += ["--tip-tolerance", request.tip_tolerance] if request.tip_tolerance else []
-    words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
-    words += ["--effort", request.effort] if request.effort != "normal" else []
-    words += ["--tool-length", request.tool_length] if request.tool_length else []
-    how = ["--setup", part.sheet] if part.sheet else []
-    how += ["--controller", part.controller or reading.controller] if part.controller or reading.controller else []
-    for name in ("dialect", "compensation", "columns", "units"):
-        how += [f"--{name}", getattr(reading, name)] if getattr(reading, name) else []
-    how += [f"--{name.replace('_', '-')}" for name in ("skip_unknown", "lenient") if getattr(reading, name)]
-    how += ["--max-blocks", str(reading.max_blocks)] if reading.max_blocks else []
-    if request.feeds in CUT_FEEDS:
-        new = f"new-{part.program}"
-        feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
-        feeds += ["--air-feed", request.air_feed] if request.air_feed else []
-        return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
-    return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from toolpace.app.project import COMPARISONS, CUT_FEEDS, AppJob, Part, Project
+from toolpace.app.project import COMPARISONS, CUT_FEEDS, FEEDS_PAGE, AppJob, Part, Project
 from toolpace.common.errors import ProgramError, ToolpaceError, printable
-from toolpace.common.files import whole_file
+from toolpace.common.files import whole_file, write_text
 from toolpace.common.files.toml import toml_value
 from toolpace.jobs import Step, TimedSteps
 from toolpace.jobs.batch.job import USUAL_AXIS, USUAL_TIP, BatchRow, Loader
@@ -233,6 +233,7 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import new_feeds
     from toolpace.programs.tolerances import Tolerances
+    from toolpace.results.cut.feeds_page import feeds_page
 
     asked = project.batch_job(part, job.reading, job.request)
     prepared = Loader().prepare(asked)
@@ -254,6 +255,7 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
     written = folder / part.program
     with whole_file(written) as temporary:
         temporary.write_bytes(found.written.data)
+    write_text(folder / FEEDS_PAGE, feeds_page(found, prepared.machine.name))
     gained = f"{format_time(found.before.total)} before, {format_time(found.after.total)} after"
     return written, [f"{found.written.changed} blocks have another feed; on the control {gained}", *found.plan.notes]
 
@@ -274,7 +276,6 @@ def write_planned_program(project: Project, row: BatchRow, steps: TimedSteps) ->
 
 def draw_comparison(project: Project, task: CompareTask) -> dict[str, Any]:
     """The page of plans side by side. Raises ToolpaceError."""
-    from toolpace.common.files import write_text
     from toolpace.results.compare.page import comparison_page
     from toolpace.results.compare.plans import compared
 

@@ -66,6 +66,7 @@ def plan_command(
     effort: options.Effort = "normal",
     prove: options.Prove = False,
     prove_within: options.ProveWithin = "60s",
+    prices: options.Prices = False,
     feed: options.Feed = None,
     allowed: feeds.AllowedInPlan = feeds.AS_PROGRAMMED,
     resolution: cut.Resolution = None,
@@ -90,6 +91,7 @@ def plan_command(
         toolpace plan part.ngc -m xyzbc-head --feed none --out fastest --csv
         toolpace plan part.ngc -m xyzbc-head --effort high
         toolpace plan part.ngc -m xyzbc-head --prove --prove-within 5min
+        toolpace plan part.ngc -m xyzac-trunnion --prices
         toolpace plan part.mpf -m my-mill.toml --controller sinumerik --setup setup.toml
         toolpace plan part.ngc -m xyzac-trunnion --bend tool.toml
         toolpace plan part.ngc -m xyzac-trunnion --setup setup.toml --feeds limits --limit chip=0.08mm
@@ -110,6 +112,7 @@ def plan_command(
         planner=planner,
         effort=arguments.effort_named(effort),
         prove_within=arguments.time_to_prove(prove_within, planner) if prove else None,
+        prices=arguments.priced(prices, planner),
         feed=arguments.feed_option(feed),
         dialect=dialect,
         options=how,
@@ -123,6 +126,7 @@ def plan_command(
     console = new_console()
     record, verification = job.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
+    summary.show_prices(console, record, task.machine)
     summary.show_files(console, task.out, job.written(task, record), record)
     return job.exit_code(record, verification)
 

@@ -183,6 +183,13 @@ def time_to_prove(text: str, planner: str) -> float:
     return units.parse_time(text)
 
 
+def priced(prices: bool, planner: str) -> bool:
+    """Whether prices are asked for, of a plan that can have them."""
+    if prices and planner != "optimal":
+        raise UsageError(f"--prices goes with the planner 'optimal'; the planner '{planner}' has no multipliers")
+    return prices
+
+
 def feed_option(feed: str | None) -> str | None:
     """The text of --feed, found to be one."""
     if feed is not None:

@@ -91,6 +91,11 @@ Prove = Annotated[
     ),
 ]
 ProveWithin = Annotated[str, Parameter(help="Most time that --prove takes.")]
+Prices = Annotated[
+    bool,
+    Switch,
+    Parameter(help="Show what more of each limit of the machine would save, for this program on its path."),
+]
 Feed = Annotated[
     str | None,
     Parameter(

@@ -37,6 +37,8 @@ SHOWN = 6
 """How many limits are named."""
 SENTENCES = 12
 """How many operations, and how many assumptions, are listed."""
+LEAST_PRICE = 5e-5
+"""Share of the duration that one percent more of a limit must save for it to be listed."""
 LEAST_UNSURE = 0.05
 """Time that depends on where the stock ends from which it is shown [s]."""
 FULL = 0.999
@@ -192,6 +194,28 @@ def usage_table(record: PlanRecord) -> Table:
     if usage.feed > 0.0:
         table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
     return table
+
+
+def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
+    """What more of each limit would save, the most first, where that was worked out; what would save nothing is summed
+    up in a line."""
+    if not record.prices_s:
+        return
+    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in KINDS}
+    headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
+    table = new_table(headings, left=("limit",))
+    dear = {name: gain for name, gain in record.prices_s.items() if gain >= LEAST_PRICE * record.duration_s}
+    for name, gain in dear.items():
+        share = gain / record.duration_s
+        # as if the time went with a power of the limit: exact where one limit holds all of the motion
+        tenfold = 1.0 - 1.1 ** (-share / 0.01)
+        shown = (f"{format_time(part * record.duration_s)}, {100.0 * part:.2f} %" for part in (share, tenfold))
+        table.add_row(*cells([limit_in_words(name), now.get(name, "of the program"), *shown]))
+    console.print("\nmore of one limit, on this path, all others as they are")
+    console.print(table)
+    nothing = [limit_in_words(name) for name in record.prices_s if name not in dear]
+    if nothing:
+        console.print(Text.assemble(("nothing saved by more of", "dim"), f"   {', '.join(nothing)}"))
 
 
 def _percent(ratio: float | None) -> Text:

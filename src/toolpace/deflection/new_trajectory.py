@@ -276,6 +276,9 @@ def check_replannable(trajectory: Trajectory, time: float, options: ReplanOption
     if not 0.0 <= time <= trajectory.duration:
         shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float
         raise UsageError(f"replan: time {shown:g} s is not within the trajectory's {trajectory.duration:.6g} s")
+    if trajectory.limits.rows:
+        names = ", ".join(rows.name for rows in trajectory.limits.rows)
+        raise UsageError(f"replan: rows of one's own ({names}) are not held on the way back; plan without them")
     if any(law.jumps.size for law in trajectory.laws):
         raise UsageError(
             f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"

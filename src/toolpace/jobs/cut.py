@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from toolpace.common.errors import UnitWarning
 from toolpace.jobs import TimedSteps, job
 
 if TYPE_CHECKING:
@@ -102,8 +104,11 @@ def cut_program(
         set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
     with with_cure_of_zero(toolpath.assumed):
         planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
-    simulation = job.cut_motion(
-        task, steps, planned.trajectory, toolpath, request.resolution, request.memory, 0.0, left, after_operation
-    )
+    with warnings.catch_warnings():
+        # what the place of the stock asks has been asked before the plan
+        warnings.simplefilter("ignore", UnitWarning)
+        simulation = job.cut_motion(
+            task, steps, planned.trajectory, toolpath, request.resolution, request.memory, 0.0, left, after_operation
+        )
     text = task.source.data if task.source is not None else b""
     return ProgramCut(program, toolpath, planned.trajectory, simulation, request.options.setup, text)

@@ -93,7 +93,7 @@ def sheet_to_fill_in(
     setup = present(machine)
     for each in found:
         setup = with_program_figures(setup, each.shapes, each.workpiece)
-    tips = [each.tip for each in found if each.tip is not None]
+    tips = [each.tip_at_feed for each in found if each.tip_at_feed is not None]
     tip = [(min(each[k][0] for each in tips), max(each[k][1] for each in tips)) for k in range(3)] if tips else None
     return setup_sheet(", ".join(each.program for each in found), used, machine, setup, tip)
 

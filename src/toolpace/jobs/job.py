@@ -70,6 +70,8 @@ class Job:
     """How much is done for a path that may be passed fast: low, normal or high."""
     prove_within: float | None = None
     """Time for raising the lower bound [s]; None: it stays as it is found with the plan."""
+    prices: bool = False
+    """Whether it is worked out what one percent more of each limit would gain."""
     feed: str | None = None
     dialect: str | None = None
     options: ReadOptions = field(default_factory=ReadOptions)
@@ -113,6 +115,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         else:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
+        prices = priced(job, steps, trajectory)
         cut = cut_of_known_stock(job, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
@@ -140,6 +143,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
         tip_tolerance=job.tip_tolerance,
         axis_tolerance=job.axis_tolerance,
         aimed=compensation,
+        prices=prices,
         cut=cut,
         cut_limits=cut_limits,
         step_s=dict(steps.seconds),
@@ -325,6 +329,16 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
         if len(trajectory.notes) > NOTES:
             steps.say(f"and so of {counted(len(trajectory.notes) - NOTES, 'more run')}")
     return trajectory
+
+
+def priced(job: Job, steps: TimedSteps, trajectory: Trajectory) -> dict[str, float]:
+    """What one percent more of each limit would gain [s]; nothing where that was not asked for."""
+    if not job.prices:
+        return {}
+    with steps.step("pricing") as step:
+        prices = trajectory.prices()
+        step.note = f"{len(prices)} limits"
+    return prices
 
 
 def cut_motion(

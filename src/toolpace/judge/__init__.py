@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -19,7 +19,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.judge import seen_motion
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, step_check
+from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, row_checks, step_check
 from toolpace.judge.program import JudgedProgram, ProgramJudgement
 from toolpace.judge.rows import Stretch
 from toolpace.judge.sections import Sections, Steps
@@ -42,6 +42,7 @@ from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.machine.rows import Rows
 from toolpace.motion.setpoints import REACH, ROWS, Block, SetPoints, SetPointSource
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath, check_toolpath
@@ -68,6 +69,7 @@ def verify(
     dt: float = 1e-3,
     tool: CuttingTool | None = None,
     sheet: str = "",
+    rows: Sequence[Rows] = (),
 ) -> Verification:
     """Judge set-points, or a trajectory sampled every `dt` [s], against the machine and, if given, the
     program.
@@ -81,7 +83,8 @@ def verify(
     time, stops and dwells. With bare limits in place of a machine, what needs kinematics is left out. With a
     `tool` (a CuttingTool) the tip that is held against the program is the bent one: how far the force of this
     motion bends it is worked out here anew. The tip is that of the tool in the spindle, as long as set-points and
-    program say; `sheet`, the text of the set-up sheet, tells whether they say the truth.
+    program say; `sheet`, the text of the set-up sheet, tells whether they say the truth. `rows` of one's own are judged
+    by the differences of their quantity, or where they have none by the set-points' derivatives.
 
     Time is linear in set-points and program points. Raises UsageError where the set-points do not fit the
     machine.
@@ -94,6 +97,9 @@ def verify(
         raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
     found = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)[0]
+    own = [*(machine.rows if isinstance(machine, Limits) else ()), *rows]
+    if own and not math.isnan(found.dt):
+        found = replace(found, checks=found.checks + tuple(row_checks(points, own, found.dt)))
     # without a number there is no step: it is that which was asked for
     return replace(found, dt=dt) if math.isnan(found.dt) else found
 

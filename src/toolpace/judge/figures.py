@@ -53,7 +53,7 @@ IN_THE_VERDICT = (
 """What was asked for: judged by, and said with the verdict."""
 AS_SAID = (
     "lower_bound_s", "continuous_bound_s", "open_places", "mesh_points", "solve_s", "fit_s", "step_s", "planner",
-    "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance",
+    "program", "toolpace_version", "effort", "rounds", "tip_at_tolerance", "axis_at_tolerance", "prices_s",
     "cut",
 )  # fmt: skip
 """What only the planner knows: held against the other figures."""
@@ -94,7 +94,7 @@ class Figures:
         found = self.of_time() + self.of_bounds() + self.of_counts() + usage.of_usage() + self.of_names()
         found += self.of_reading() + self.of_bending() + self.of_rounds()
         found += self.of_tolerances() + self.of_cut()
-        return found + self.of_deviations() + usage.of_shares() + self.of_places()
+        return found + self.of_deviations() + usage.of_shares() + usage.of_prices() + self.of_places()
 
     def same(self, key: str, right: float, unit: str = "", share: float = SAME) -> Check:
         """A figure that must be what is found."""

@@ -8,10 +8,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from toolpace.common.arrays import Bools, Ints
-from toolpace.judge.seen_motion import EPS, WINDOW, SeenMotion, still_step
+from toolpace.judge.seen_motion import EPS, WINDOW, SeenMotion, ends_sooner, still_step
 from toolpace.judge.verification import Check
 from toolpace.machine.limits import Limits
-from toolpace.motion.setpoints import ROWS, SetPointSource
+from toolpace.machine.rows import Rows
+from toolpace.motion.setpoints import ROWS, SetPoints, SetPointSource
 
 TOLERANCE = 1e-4
 """Share of a limit by which it may be exceeded."""
@@ -103,6 +104,34 @@ def motion_checks(
             time, block = seen.place(at)
             unit = unit_of(units[j], order)
             checks.append(Check(kind, value, limit, unit, ok, time, block, joint, note, noise=noise))
+    return checks
+
+
+def row_checks(points: SetPoints, rows: Sequence[Rows], dt: float) -> list[Check]:
+    """Rows of one's own, by the time alone.
+
+    Of a quantity its second or third difference is a mean of its acceleration or jerk, as `motion_checks` has it. Rows
+    without one get the joints' derivatives by time in place of those by the path: with the time as the parameter z is
+    1 and does not change, so that a row is its last coefficient.
+    """
+    checks = []
+    for each in rows:
+        order = each.order + 1
+        if each.quantity is not None:
+            p = np.asarray(each.quantity(points.q), dtype=float).reshape(len(points), -1)
+            uneven = ends_sooner(points.t, dt)
+            shown = np.abs(np.diff(p[: len(p) - uneven], order, axis=0)) / dt**order
+            speed = float(np.abs(np.diff(p, axis=0)).max(initial=0.0)) / dt
+            rounding = position_noise(float(np.abs(p).max()), float(np.abs(points.t).max()), speed)
+            noise = 2.0**order * rounding / dt**order
+        else:
+            moment = np.stack([points.q, points.qd, points.qdd, points.qddd])
+            shown, noise = np.abs(each.shares(moment)[:, :, 0]) * each.limit, 0.0
+        at = int(shown.max(axis=1).argmax()) if len(shown) else 0
+        value = float(shown.max(initial=0.0))
+        ok = value <= each.limit * (1.0 + TOLERANCE) + noise
+        time, block = float(points.t[at]), int(points.block[at])
+        checks.append(Check(each.name, value, each.limit, each.unit, ok, time, block, noise=noise))
     return checks
 
 

@@ -18,6 +18,8 @@ from toolpace.programs.toolpath import ToolPath
 
 SHARE = 0.04
 """By how much the share of time in which a limit binds may differ between set-points and all times."""
+PRICES = 0.01
+"""Of the time of motion, by which what the prices of limits sum to may differ from it: 2e-3 on the coarsest meshes."""
 BINDING = 0.995
 """Share of a limit from which it counts as binding."""
 TOGETHER = "all limits together"
@@ -144,6 +146,22 @@ class UsageFigures:
         note = f"{worst}: says {shares[worst]:.4g}, by the set-points {between}"
         passed = off[worst] <= granted
         return [*checks, Check("plan.json limited_by", max(off[worst], 0.0), granted, "", passed, note=note)]
+
+    def of_prices(self) -> list[Check]:
+        """What more of each limit would gain: k times the velocity, k^2 the acceleration and k^3 the jerk of a motion
+        from rest to rest take 1 / k of its time, which fixes a sum of the prices."""
+        said = {name: float(price) for name, price in self.said["prices_s"].items()}
+        if not said:
+            return []
+        joints = self.machine.joints
+        powers = {"feed": 1.0} | {f"{kind} {joint}": k for k, kind in enumerate(KINDS, 1) for joint in joints}
+        strange = [name for name in said if name not in powers]
+        if strange or not min(said.values()) >= 0.0:
+            return [wrong("prices_s", f"names {', '.join(strange)}" if strange else "a price is below zero")]
+        moving = float(self.said["duration_s"]) - (0.0 if self.toolpath is None else float(self.toolpath.dwell.sum()))
+        total = 100.0 * sum(powers[name] * price for name, price in said.items())
+        ok = abs(total - moving) <= PRICES * moving
+        return [Check("plan.json prices_s", total, moving, "s", ok, note="their sum, against the time of motion")]
 
     def shares(self, names: list[str]) -> tuple[dict[str, float], dict[str, float]]:
         """The least and the largest share of each, and of all of them together, that the set-points show.

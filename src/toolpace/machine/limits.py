@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats, numbers
+from toolpace.common.arrays import Floats, Ints, numbers
 from toolpace.common.errors import UsageError
 from toolpace.common.units import ask_about_unit
 from toolpace.common.value_objects import ByValue, named, one_line
+from toolpace.machine.rows import Rows
 
 KINDS = ("velocity", "acceleration", "jerk")
 
@@ -35,6 +36,8 @@ class Limits(ByValue):
     """(m,) most |q'''| [m/s^3 or rad/s^3]."""
     joints: tuple[str, ...] = ()
     """Names of the joints."""
+    rows: tuple[Rows, ...] = ()
+    """Limits of one's own, beside those of the joints."""
 
     def __init__(
         self,
@@ -42,6 +45,7 @@ class Limits(ByValue):
         acceleration: npt.ArrayLike,
         jerk: npt.ArrayLike,
         joints: Sequence[str] | None = None,
+        rows: Sequence[Rows] = (),
     ) -> None:
         values = [
             np.atleast_1d(numbers(value, f"limits: {kind}", ("m",), (), finite=False)).copy()
@@ -59,6 +63,8 @@ class Limits(ByValue):
             limit.flags.writeable = False
             object.__setattr__(self, kind, limit)
         object.__setattr__(self, "joints", names)
+        object.__setattr__(self, "rows", tuple(rows))
+        self._check_rows()
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -73,4 +79,30 @@ class Limits(ByValue):
             # factors of each joint are no percents
             if np.ndim(factor) == 0:
                 ask_about_unit(factor, MOST_SCALED, f"limits: factor of {name}", cure)
-        return Limits(self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints)
+        return Limits(
+            self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints, self.rows
+        )
+
+    def _check_rows(self) -> None:
+        for each in self.rows:
+            if not isinstance(each, Rows):
+                raise UsageError(f"limits: {type(each).__name__} in place of rows; give tp.Rows(...)")
+            if [*self.names, "nothing", "dwell"].count(each.name) > 1:
+                raise UsageError(f"limits: rows named '{each.name}', as another limit is; give another name")
+
+    @property
+    def names(self) -> list[str]:
+        """ "feed", "velocity X", ..., then the rows of one's own: every limit, as it is named where it binds."""
+        of_joints = [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
+        return ["feed", *of_joints, *(rows.name for rows in self.rows)]
+
+    @property
+    def orders(self) -> Ints:
+        """(k,) of each of the names: 0 of speed, 1 of acceleration, 2 of jerk."""
+        m = len(self)
+        return np.array([0] * (1 + m) + [1] * m + [2] * m + [rows.order for rows in self.rows])
+
+    @property
+    def half(self) -> int:
+        """How many rows of acceleration a place has in an optimisation problem, and as many of jerk."""
+        return len(self) + max(sum(rows.count for rows in self.rows if rows.order == order) for order in (1, 2))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -17,8 +18,9 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import SECONDS, ask_about_unit
 from toolpace.common.value_objects import counted, named, one_line
 from toolpace.common.workers import Workers
-from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.limits import Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps
+from toolpace.motion.active_limits import BINDING, NOTHING, ActiveLimits, active_limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.sampling import Sampling
 from toolpace.motion.setpoints import ROWS, SetPoints
@@ -30,8 +32,6 @@ from toolpace.programs.toolpath import ToolPath
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
 
-BINDING = 0.995
-"""Share of a limit from which it counts as binding."""
 LONGEST_STEP = 0.2
 """Between set-points [s] that is not asked about: more is a time in ms."""
 INTERPOLATED = "of set-points: between them jerks are those of an interpolation, and may exceed what the plan tells"
@@ -92,6 +92,8 @@ class Trajectory:
     solve_seconds: float = 0.0
     found_usage: Usage | None = None
     """What `usage` tells where the motion is read from set-points: it was found when these were planned."""
+    pricing: Callable[[Trajectory], dict[str, float]] | None = None
+    """Works out `prices`; None where no planner is at hand that could."""
     starts: Floats = field(init=False)
     """(runs,) when each run starts [s]."""
     duration: float = field(init=False)
@@ -233,36 +235,39 @@ class Trajectory:
 
     @cached_property
     def _judgement(self) -> tuple[Floats, dict[str, float]]:
-        """Peak ratios (1 + 3 m,), and the time in which each of them is what binds [s]."""
-        m = len(self.joints)
-        names = ["feed"] + [f"{kind} {joint}" for kind in KINDS for joint in self.joints]
-        peak, times, of_cap = np.zeros(1 + 3 * m), np.zeros(2 + 3 * m), defaultdict[str, float](float)
+        """Peak ratios (k,), in the order of `Limits.names`, and the time in which each of them is what binds [s]."""
+        names, m = self.limits.names, len(self.joints)
+        jerks, count = self.limits.orders == 2, len(names)
+        peak, times, of_cap = np.zeros(count), np.zeros(count + 1), defaultdict[str, float](float)
         for run, law in zip(self.axis_path.runs, self.laws):
             # where acceleration may jump, jerk is no limit that could bind
             jumpy = law.jumps.size > 0
-            peak[1 + 2 * m :][jerk_jumps(run, self.limits, law)] = np.inf
+            peak[1 + 2 * m : 1 + 3 * m][jerk_jumps(run, self.limits, law)] = np.inf
             for probe in law.probes():
                 ratios, _, between = closer_look(run, self.limits, law, probe)
                 peak = np.maximum(peak, ratios.max(axis=0))
                 if len(between):
                     peak = np.maximum(peak, between.max(axis=0))
-                first = ratios[:, : 1 + (2 if jumpy else 3) * m].argmax(axis=1)
+                first = np.where(jerks & jumpy, 0.0, ratios).argmax(axis=1)
                 binds = ratios[np.arange(len(first)), first] >= BINDING
-                times += np.bincount(np.where(binds, first, 1 + 3 * m), probe.share, len(times))
+                times += np.bincount(np.where(binds, first, count), probe.share, len(times))
                 capped = binds & (first == 0)
                 which, words = run.cap_names(probe.state[0][capped])
                 for word, share in zip(words, np.bincount(which, probe.share[capped], len(words))):
                     of_cap[word] += float(share)
         found = {**dict(of_cap), **dict(zip(names[1:], map(float, times[1:-1])))}
-        return peak, {**{name: time for name, time in found.items() if time > 0.0}, "nothing": float(times[-1])}
+        return peak, {**{name: time for name, time in found.items() if time > 0.0}, NOTHING: float(times[-1])}
 
     def usage(self) -> Usage:
         """Peak value over limit in continuous time, between the set-points and nodes too."""
         if self.found_usage is not None:
             return self.found_usage
         peak, m = self._judgement[0], len(self.joints)
-        by_kind = [dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)]
-        return Usage(float(peak[0]), *by_kind)
+        velocity, acceleration, jerk = (
+            dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)
+        )
+        rows = {each.name: float(value) for each, value in zip(self.limits.rows, peak[1 + 3 * m :])}
+        return Usage(float(peak[0]), velocity, acceleration, jerk, rows)
 
     def limited_by(self) -> dict[str, float]:
         """Limits that bind: the share of the duration in which each does, largest first."""
@@ -271,6 +276,25 @@ class Trajectory:
         if dwell > 0.0:
             times["dwell"] = dwell
         return {n: t / self.duration for n, t in sorted(times.items(), key=lambda item: -item[1]) if t > 0.0}
+
+    def active(self) -> ActiveLimits:
+        """How much of each limit is used, over time and path, as arrays; `active().table()` names what binds when.
+
+        At the states at which the laws are probed: of a spline at least nine a cell of its mesh, so that a motion of a
+        million cells takes gigabytes.
+        """
+        return active_limits(self.axis_path, self.limits, self.laws, self.starts)
+
+    def prices(self) -> dict[str, float]:
+        """The time that one percent more of each limit would gain [s], by the names of `limited_by`, largest first.
+
+        Of limits that are infinite nothing is told. From the multipliers at the optimum (planning/prices.py): it costs
+        a solve on the plan's mesh. Ten percent more gain a little less than ten times as much. Raises UsageError for
+        the motion of a planner other than `optimal`, and for one that was loaded or planned back onto its path.
+        """
+        if self.pricing is None:
+            raise UsageError("prices: they are of a motion as `plan` returns it; plan the path again")
+        return self.pricing(self)
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str], *, exact: bool = False) -> Trajectory:

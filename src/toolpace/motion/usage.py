@@ -6,7 +6,7 @@ Along a time law it is sampled adaptively, where states at even steps tell too l
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -83,11 +83,14 @@ class Usage(ByValue):
     velocity: dict[str, float]
     acceleration: dict[str, float]
     jerk: dict[str, float]
+    rows: dict[str, float] = field(default_factory=dict)
+    """Of rows of one's own, by name."""
 
     @property
     def worst(self) -> float:
         """The largest of all."""
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *self.jerk.values())
+        joints = *self.velocity.values(), *self.acceleration.values(), *self.jerk.values()
+        return max(self.feed, *joints, *self.rows.values())
 
     def __repr__(self) -> str:
         peaks = [f"{kind} {max(getattr(self, kind).values(), default=0.0):.6g}" for kind in KINDS]
@@ -95,7 +98,7 @@ class Usage(ByValue):
 
 
 def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> Floats:
-    """(n, 1 + 3 m) value over limit: feed, then velocity, acceleration and jerk of each joint.
+    """(n, k) value over limit, in the order of `Limits.names`.
 
     `right` (n,) is 0 where the state belongs to the left side of a break.
     """
@@ -104,13 +107,20 @@ def limit_ratios(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> 
 
 def ratios_along(run: AxisRun, limits: Limits, state: Floats, right: Floats) -> tuple[Floats, Floats]:
     """The same, and the path (4, n, m) there."""
-    from toolpace.kernels.motion import usage
-
     s = np.clip(np.where(right > 0.0, state[0], np.nextafter(state[0], -np.inf)), run.s0, run.s1)
     path, cap = run.with_cap(s)
     path = np.ascontiguousarray(path)
+    return ratios_of(path, cap, limits, state), path
+
+
+def ratios_of(path: Floats, cap: Floats, limits: Limits, state: Floats) -> Floats:
+    """The same from the path (4, n, m) and the cap (n,) on ds/dt there."""
+    from toolpace.kernels.motion import usage
+
     ratio: Floats = usage.ratios(path, state, cap, limits.velocity, limits.acceleration, limits.jerk)
-    return ratio, path
+    if limits.rows:
+        return np.column_stack([ratio, *(rows.ratio(path, state) for rows in limits.rows)])
+    return ratio
 
 
 def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.bool_]:
@@ -125,7 +135,7 @@ def jerk_jumps(run: AxisRun, limits: Limits, law: TimeLaw) -> npt.NDArray[np.boo
 
 
 def closer_look(run: AxisRun, limits: Limits, law: TimeLaw, probe: Probe) -> tuple[Floats, Floats, Floats]:
-    """Value over limit at the states of a probe (n, 1 + 3 m), and at places between (k,) where these tell too little.
+    """Value over limit at the states of a probe (n, k), and at places between (k,) where these tell too little.
 
     Places are added in stretches between two hints of the run that have too few states; where the path does not go on
     between two states as its derivatives say (kernels/motion/between_nodes.py), until what is there is resolved;

@@ -12,9 +12,9 @@ from toolpace.kernels.motion import usage, utilisation_peaks
 from toolpace.machine.limits import Limits
 from toolpace.motion import limit_ratios
 from toolpace.motion.laws import LinearLaw, SplineLaw
-from toolpace.motion.usage import IN_A_STRETCH, beside_tops, ratios_along, unexplained
+from toolpace.motion.usage import IN_A_STRETCH, beside_tops, ratios_along, ratios_of, unexplained
 from toolpace.path.axis_run import AxisRun
-from toolpace.planning.path_at_probes import CachedPath, PathAtProbes
+from toolpace.planning.path_at_probes import CachedPath, PathAtProbes, probes
 
 CHUNK = 5_000
 """Cells whose usage is worked out at a time, to keep memory low."""
@@ -110,13 +110,11 @@ class LimitCheck:
     def _with_hints(self, law: SplineLaw, peaks: Peaks, changed: Bools) -> Peaks:
         """The peaks, or what is used at hints in the `changed` cells where that is more."""
         places = self.hints[changed[self._of_hint] & (self.path.unlike[self._of_hint] | ~self._beside)]
-        limits = self.limits
         for first in range(0, len(places), CHUNK):
             s = places[first : first + CHUNK]
             q, cap = self.path.cache.with_cap(s)
-            of_joints = limits.velocity, limits.acceleration, limits.jerk
-            ratio = usage.ratios(np.ascontiguousarray(q), law.states_at(s), cap, *of_joints)
-            peaks = self._with(peaks, s, by_kind(ratio, len(limits)))
+            ratio = ratios_of(np.ascontiguousarray(q), cap, self.limits, law.states_at(s))
+            peaks = self._with(peaks, s, by_kind(ratio, self.limits))
         return peaks
 
     def _with(self, peaks: Peaks, s: Floats, of_kinds: Floats) -> Peaks:
@@ -193,16 +191,34 @@ class LimitCheck:
         unexplained(self.run, self.limits, low, high, of_low, of_high, swift, look)
         beside_tops(places.ravel(), found[0][1], np.diff(places, append=places[:, -1:]).ravel()[:-1] > 0.0, look)
         s, ratios = (np.concatenate(parts) for parts in zip(*found))
-        return self._with(peaks, s, by_kind(ratios, len(self.limits)))
+        return self._with(peaks, s, by_kind(ratios, self.limits))
 
     def _of(self, which: Ints, law: SplineLaw, q: Floats, cap: Floats) -> Peaks:
         """The peaks in cells whose path is known."""
         limits = self.limits
-        return Peaks(
-            *utilisation_peaks.spline_peaks(
-                which, q, cap, law.nodes, law.cells, law.inside, limits.velocity, limits.acceleration, limits.jerk
-            )
+        of_joints = limits.velocity, limits.acceleration, limits.jerk
+        peaks = Peaks(
+            *utilisation_peaks.spline_peaks(which, q, cap, law.nodes, law.cells, law.inside, *of_joints)
         )
+        return self._with_rows(peaks, which, law) if limits.rows and len(which) else peaks
+
+    def _with_rows(self, peaks: Peaks, which: Ints, law: SplineLaw) -> Peaks:
+        """The peaks in cells, or those of rows of one's own where these are higher; the path is asked at each probe."""
+        begin, length = law.nodes[which], np.diff(law.nodes)[which]
+        a, x = law.cells[which].T[:, :, None], length[:, None] * law.inside
+        z = np.maximum(a[0] + x * (a[1] + x * (a[2] + x * a[3])), 0.0)
+        slope, bend = a[1] + x * (2.0 * a[2] + 3.0 * x * a[3]), 2.0 * a[2] + 6.0 * x * a[3]
+        s = np.clip(probes(begin, begin + length, law.inside), self.run.s0, self.run.s1)
+        state = np.stack([s, *(part.ravel() for part in (np.sqrt(z), slope / 2.0, bend * np.sqrt(z) / 2.0))])
+        q = np.ascontiguousarray(self.run.evaluate(s))
+        used, place = peaks.used.copy(), peaks.place.copy()
+        for rows in self.limits.rows:
+            ratio, kind = rows.ratio(q, state), rows.order
+            top = usage.peaks(law.inside, ratio[:, None])[:, 0]
+            higher = top > used[:, kind]
+            used[higher, kind] = top[higher]
+            place[higher, kind] = law.inside[ratio.reshape(len(which), -1).argmax(axis=1)][higher]
+        return Peaks(used, place)
 
 
 def between(count: int) -> Floats:
@@ -240,10 +256,9 @@ def joined(parts: list[Peaks]) -> Peaks:
 def peaks_of(run: AxisRun, limits: Limits, law: LinearLaw, cells: Ints) -> Floats:
     """(n, 3) largest usage in the given cells of a law of linear z, by speed, acceleration and jerk."""
     state, right = law.states_within(cells)
-    return by_kind(usage.peaks(law.inside, limit_ratios(run, limits, state, right)), len(limits))
+    return by_kind(usage.peaks(law.inside, limit_ratios(run, limits, state, right)), limits)
 
 
-def by_kind(ratios: Floats, joints: int) -> Floats:
-    """(n, 3) largest of speed, acceleration and jerk of (n, 1 + 3 joints) values over limits."""
-    kinds = np.split(ratios, [1 + joints, 1 + 2 * joints], axis=1)
-    return np.stack([kind.max(axis=1) for kind in kinds], axis=1)
+def by_kind(ratios: Floats, limits: Limits) -> Floats:
+    """(n, 3) largest of speed, acceleration and jerk of (n, k) values over limits."""
+    return np.stack([ratios[:, limits.orders == order].max(axis=1) for order in range(3)], axis=1)

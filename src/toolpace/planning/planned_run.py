@@ -55,10 +55,10 @@ def check_state(run: AxisRun, limits: Limits, state: EndState, s: float, orders:
         )
     side = np.array([1.0 if s == run.s0 else 0.0])
     moment = np.array([[s], [state.speed], [state.acceleration], [0.0]])
-    m = len(limits)
-    ratios = limit_ratios(run, limits, moment, side)[0, : 1 + orders * m]
+    ratios = limit_ratios(run, limits, moment, side)[0][limits.orders < orders]
     if ratios.max() > PROMISED:
         names = ["the feed cap"] + [f"the {kind} limit of {joint}" for kind in KINDS[:2] for joint in limits.joints]
+        names += [f"the limit {rows.name}" for rows in limits.rows if rows.order == 1]
         raise InfeasibleError(
             f"end state at {run.place(s)}: takes {ratios.max():.4g} of {names[int(ratios.argmax())]};"
             " start or end slower"

@@ -13,8 +13,8 @@ import importlib
 import math
 import time
 import warnings
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
@@ -24,6 +24,7 @@ from toolpace.common.errors import UnitWarning, UsageError, did_you_mean
 from toolpace.common.workers import Progress, Workers, side_by_side
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.machine.rows import Rows
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
@@ -79,6 +80,7 @@ def plan(
     planner: str | Optimal | Genetic | SecondOrder | Planner = "optimal",
     start: EndState = AT_REST,
     end: EndState = AT_REST,
+    rows: Sequence[Rows] = (),
     progress: Callable[[float], None] | None = None,
     **options: object,
 ) -> Trajectory:
@@ -88,7 +90,8 @@ def plan(
     `SecondOrder`, or one of your own: see `Planner`), or in short the name of one, whose `options` are then given here:
     plan(path, machine, planner="optimal", mesh=1000, bound=False) is plan(path, machine, planner=Optimal(mesh=1000,
     bound=False)). `start` and `end` are the states (ds/dt, d2s/dt2) in which the first run starts and the last ends.
-    `progress` is called with the share done. Raises UsageError for arguments that make no sense, and InfeasibleError
+    `rows` are limits of one's own beside those of the joints (planner `optimal` only: see `Rows`). `progress` is called
+    with the share done. Raises UsageError for arguments that make no sense, and InfeasibleError
     where no motion within the limits exists.
     """
     from toolpace.kernels.ahead_of_time import ensure_warm
@@ -101,6 +104,10 @@ def plan(
     axis_path = joints_along(path, machine)
     limits = machine.limits if isinstance(machine, Machine) else machine
     check_count(limits, axis_path)
+    if rows:
+        limits = replace(limits, rows=(*limits.rows, *rows))
+    if limits.rows and chosen.name in PLANNERS[1:]:
+        raise UsageError(f"plan: the planner {chosen.name} holds no rows of one's own; plan with 'optimal'")
     runs, last = axis_path.runs, len(axis_path.runs) - 1
     if not runs:
         raise UsageError("plan: the path has no motion; give one with a run at least")
@@ -126,7 +133,15 @@ def plan(
         notes=tuple(note for run in planned for note in run.notes),
         mesh_points=sum(run.mesh_points for run in planned),
         solve_seconds=time.perf_counter() - began,
+        pricing=prices_of,
     )
+
+
+def prices_of(trajectory: Trajectory) -> dict[str, float]:
+    """The prices of the limits of a plan; what works them out is imported where they are asked for."""
+    from toolpace.planning.prices import prices
+
+    return prices(trajectory)
 
 
 def planner_of(planner: str | Planner, options: dict[str, object], caller: str = "plan") -> Planner:

@@ -26,7 +26,8 @@ def core(monkeypatch):
         def maximise_speed(points, ends, c, *_):
             starts.append(c)
             found, gap = left.pop(0)
-            return found.copy(), WITHOUT_AN_END, 250, gap, 0.0
+            none = np.empty(0)
+            return solver.Solution(found.copy(), WITHOUT_AN_END, 250, gap, 0.0, none, none)
 
         monkeypatch.setattr(solver, "maximise_speed", maximise_speed)
         return starts

@@ -30,7 +30,8 @@ WORTH = 0.5
 Resolution = Annotated[
     str | None,
     Parameter(
-        help="Size of a cell of the stock: 0.2mm. By default as fine as --memory has room for, 0.2 mm at the finest."
+        help="Size of a cell of the stock: 0.2mm. By default 500 cells along its longest side, or as many as "
+        "--memory has room for."
     ),
 ]
 Memory = Annotated[str, Parameter(help="Most memory that the stock may take: 500MB, 2GB.")]
@@ -147,6 +148,7 @@ def show_cut(console: Console, found: ProgramCut, machine: str) -> None:
     if uncertain:
         headings.insert(4, "not sure")
     table = new_table(headings, left=("operation", "tool"))
+    table.columns[0].min_width = len(headings[0])
     for each in simulation.operations:
         words = [each.name or "-", each.tool or "-", _time(each.air), _time(each.cutting)]
         words += [_time(each.uncertain)] if uncertain else []
@@ -154,6 +156,7 @@ def show_cut(console: Console, found: ProgramCut, machine: str) -> None:
         words += [_length(each.width), _length(each.depth)]
         table.add_row(*cells(words))
     console.print(table)
+    console.print("mean and peak removal rate in cm3/min, width and depth in mm\n", style="dim")
     show_findings(console, simulation)
 
 
@@ -243,9 +246,9 @@ def _volume(volume: float) -> str:
 
 
 def _rate(rate: float) -> str:
-    return f"{rate * 60e6:.3g} cm3/min" if rate > 0.0 else "-"
+    return f"{rate * 60e6:.3g}" if rate > 0.0 else "-"
 
 
 def _length(length: float) -> str:
-    return f"{length / MILLIMETRE:.3g} mm" if length > 0.0 else "-"
+    return f"{length / MILLIMETRE:.3g}" if length > 0.0 else "-"
 

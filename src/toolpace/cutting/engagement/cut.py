@@ -93,8 +93,8 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
     count = max(math.ceil(profile.length / height - 1e-9), 1)
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
-    upper = profile.surface(np.minimum(middles + 0.5 * height, profile.length))[0]
-    slices = Slices(np.asarray(middles), *surface, upper, profile.flat_radius, height)
+    beyond = profile.surface(np.minimum(middles + height, profile.length))[0]
+    slices = Slices(np.asarray(middles), *surface, beyond, profile.flat_radius, height)
     zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n)]
     found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), *zeros)
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))

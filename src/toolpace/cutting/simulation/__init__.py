@@ -42,9 +42,9 @@ def simulate_cut(
     the result is marked as guessed: then neither air nor collisions with the stock are findings.
 
     resolution: size of a cell [m]; without it the finest of use that `memory` [bytes] has room for, but not below
-    `finest` [m]. stock: what another
-    program left (`CutSimulation.left`); it is copied. `after_operation` is given the index of each operation of the
-    tool path when it ends, and the stock then. `progress` is told the share done.
+    `finest` [m]. stock: what another program left (`CutSimulation.left`); it is copied. `after_operation` is given the
+    index in `CutSimulation.operations` of each operation when it ends, and the stock then. `progress` is told the share
+    done.
 
     Raises UsageError for a motion along another program, for a tool whose figures nothing tells, and for solids that
     make no stock.
@@ -116,7 +116,7 @@ def _simulated(
         stations(cell, reach),
         toolpath.operations, tools, cut, set_up.surroundings(setup, machine, cell, memory),
         resolution=cell,
-        assumed=assumed,
+        assumed=[*assumed, *toolpath.assumed],
         after_operation=after_operation or (lambda operation, stock: None),
         progress=progress,
     )  # fmt: skip

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.simulation.left_above_part import LeftRegion
+from toolpace.programs.toolpath import Operation
 
 FindingKind = Literal["rapid", "holder", "shank", "gouge", "flute", "left", "air"]
 COLLISIONS: tuple[FindingKind, ...] = ("rapid", "holder", "shank", "gouge", "flute")
@@ -113,8 +114,51 @@ def findings_of(
     return found
 
 
-def air_findings(stations: Stations, air: Bools, operation: str, tool: str) -> list[Finding]:
-    """Blocks at feed that cut nothing from their begin to their end: of neighbours one finding."""
+class Stretch(Protocol):
+    """Neighbouring stations, all at feed or all at rapid."""
+
+    @property
+    def stations(self) -> Stations: ...
+    @property
+    def operation(self) -> int: ...
+    @property
+    def rapid(self) -> bool: ...
+    @property
+    def air(self) -> Bools: ...
+
+
+def air_findings(stretches: Sequence[Stretch], operations: Sequence[Operation]) -> list[Finding]:
+    """Blocks at feed that cut nothing from their begin to their end: of neighbours one finding.
+
+    stretches: in the order of time. A block that rapids part, as a cycle that pecks, cuts where one of its parts does.
+    """
+    found: list[Finding] = []
+    executions = _executions(stretches)
+    feeds = [(each, of) for each, of in zip(stretches, executions) if not each.rapid]
+    cutting = np.unique(np.concatenate([np.zeros(0, np.int64), *(of[1:][~each.air[1:]] for each, of in feeds)]))
+    for each, of in feeds:
+        operation = operations[each.operation]
+        air = each.air & ~np.isin(of, cutting)
+        found += _air_of(each.stations, air, operation.name, operation.tool)
+    return found
+
+
+def _executions(stretches: Sequence[Stretch]) -> list[Ints]:
+    """Of each stretch, for its stations (n,), which of all executions of blocks they belong to."""
+    found: list[Ints] = []
+    number, last = 0, (-1, -1)
+    for each in stretches:
+        blocks = each.stations.block[1:]
+        before = last[1] if last[0] == each.operation else -1
+        of = number + np.concatenate([[0], np.cumsum(np.diff(blocks, prepend=before) != 0)])
+        found.append(of)
+        number = int(of[-1])
+        last = each.operation, int(blocks[-1]) if len(blocks) else before
+    return found
+
+
+def _air_of(stations: Stations, air: Bools, operation: str, tool: str) -> list[Finding]:
+    """The findings of a stretch at feed."""
     seconds = stations.moving_time
     head = np.flatnonzero(np.diff(stations.block[1:], prepend=-1)) + 1
     found: list[Finding] = []

@@ -39,7 +39,7 @@ def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | Non
             continue
         found.append(ToolInUse(figures, ToolProfile.of(figures)))
         called = f"tool {operation.tool}" if operation.tool else "the only tool"
-        if not operation.tool and operation.figures is None:
+        if k in cutting and not operation.tool and operation.figures is None:
             assumed["the program names no tool: the only one of the sheet is taken"] = None
         assumed |= {f"{called}: {sentence}": None for sentence in (*figures.assumed, *_unknown(figures))}
     return found, list(assumed)

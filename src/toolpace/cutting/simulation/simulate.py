@@ -149,11 +149,11 @@ def cut_stations(
     """Cut a stock along stations, each part of one operation, with its tool; the stock is changed.
 
     tools: of each operation, None where it has none: what it does is passed over. `after_operation` is given the index
-    of each operation when it ends, and the stock then.
+    in `CutSimulation.operations` of each operation when it ends, and the stock then.
     """
     report = CallersProgress(progress)
     before = stock.nominal.volume()
-    count, done = sum(len(part) for part in parts) or 1, 0
+    count, done, ended = sum(len(part) for part in parts) or 1, 0, 0
     stretches: list[CutStretch] = []
     findings: list[Finding] = []
     for k, part in enumerate(parts):
@@ -167,13 +167,16 @@ def cut_stations(
                 findings += cut.findings(stretch, met, operations[operation], stock.guessed)
             done += len(stations)
             report(done / count)
-        if k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation:
-            after_operation(operation, stock.nominal)
+        if tool is not None and (k + 1 == len(parts) or int(parts[k + 1].operation[-1]) != operation):
+            after_operation(ended, stock.nominal)
+            ended += 1
     above = None
     if surroundings.part_mesh is not None and not stock.guessed:
         above, more = _left(stretches, operations, stock, surroundings, TOLD * resolution)
         findings += more
     by_operation = [[each for each in stretches if each.operation == k] for k in range(len(operations))]
+    if not stock.guessed:
+        findings += air_findings(stretches, operations)
     return CutSimulation(
         operations=tuple(
             operation_cut(operation, None if tool is None else tool.figures, each)
@@ -242,10 +245,7 @@ class _Cut:
         contacts = list(self.with_surroundings(stretch))
         if not guessed:
             contacts += self.with_stock(stretch, met)
-        found = findings_of(stretch.stations, contacts, *words)
-        if not guessed and not stretch.rapid:
-            found += air_findings(stretch.stations, stretch.air, *words)
-        return found
+        return findings_of(stretch.stations, contacts, *words)
 
     def with_stock(self, stretch: CutStretch, met: Sequence[Met]) -> Iterator[Contact]:
         """Rapids, shank and holder in the stock, and cuts above the flutes."""

@@ -158,7 +158,7 @@ class Follower:
         """Keyword arguments are the fields of follow.figures.Figures. Raises UsageError.
 
         Of Limits in place of a machine only the pace follows: without kinematics nothing can be measured of a tool. All
-        of the reserve is then for changes of pace.
+        of the reserve is then for changes of pace. Rows of one's own of the plan are not kept where the pace changes.
         """
         names = Figures.__dataclass_fields__
         for name in figures:

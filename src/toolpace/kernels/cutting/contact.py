@@ -42,8 +42,8 @@ class Slices(NamedTuple):
     """Of the outward normal, across the axis."""
     along: Floats
     """Of the outward normal, along the axis."""
-    upper_radius: Floats
-    """At their upper ends."""
+    next_radius: Floats
+    """In the middle of the next slice."""
     flat: float
     """Radius of the flat end; 0: none."""
     height: float
@@ -211,7 +211,7 @@ def contact(
     last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
     low_phi, high_phi = 0.0, 0.0
-    # of the highest slice so far: width in its middle, and by how much it is wider at its upper end
+    # of the highest slice so far: width in its middle, and by how much it is wider in the middle of the next one
     width, middle, growth = 0.0, 0.0, 0.0
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
@@ -229,10 +229,11 @@ def contact(
                     right = -1.0
                 if b >= TURN:
                     left = 1.0
-            width, middle = max(width, middle + growth), slices.radius[j] * (left - right)
+            middle = slices.radius[j] * (left - right)
+            width = max(width, middle)
             # where it reaches the side of the tool, it grows with the tool
             sides = (1.0 if left > FULL else 0.0) + (1.0 if right < -FULL else 0.0)
-            growth = max(slices.upper_radius[j] - slices.radius[j], 0.0) * sides
+            growth = max(slices.next_radius[j] - slices.radius[j], 0.0) * sides
     depth = 0.0
     if lowest >= 0:
         low, high = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
@@ -241,7 +242,7 @@ def contact(
         if highest < last:
             high = height_of_border(field, pose, slices, highest, highest + 1, high_phi, most)
         depth = high - low
-        share = 2.0 * (high - slices.z[highest]) / slices.height
+        share = (high - slices.z[highest]) / slices.height
         width = max(width, middle + growth * min(max(share, 0.0), 1.0))
     flat = 0.0
     if slices.flat > 0.0:

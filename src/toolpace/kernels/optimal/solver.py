@@ -16,6 +16,8 @@ matrix has seven diagonals. Predictor and corrector follow Mehrotra (1992). A st
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from toolpace.kernels.arrays import Floats
@@ -55,6 +57,23 @@ RELIEVED = 1e-3
 """Share of the reliefs that may still stand at the end, as a multiple of the same tolerance."""
 
 
+class Solution(NamedTuple):
+    """What the method came to."""
+
+    c: Floats
+    """(n,) coefficients of z."""
+    status: int
+    steps: int
+    gap: float
+    """Relative to the time."""
+    gradient: float
+    """Scaled, relative to the time."""
+    dual_cap: Floats
+    """(tiles, TILE) multipliers of the caps."""
+    dual_rows: Floats
+    """(tiles, r, 2, TILE) of the rows that were not left out, above and below."""
+
+
 @jit()
 def maximise_speed(
     points: PointRows,
@@ -65,13 +84,12 @@ def maximise_speed(
     idle: float,
     tolerance: float,
     most_steps: int,
-) -> tuple[Floats, int, int, float, float]:
+) -> Solution:
     """Coefficients of the fastest z within the rows.
 
     Parameters: c (n,) start with z > 0 at all points, overwritten by the result; relief (points, 3) of cap,
     acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of the gap,
     relative to the time; idle: rows of which the start uses less in a whole tile of points are left out.
-    Returns c, status, steps, and gap and scaled gradient relative to the time.
     """
     tiles, caps = in_tiles(points.rows, solver_rows.wanted(points, c, idle)), caps_of(points, relief)
     steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
@@ -86,20 +104,20 @@ def maximise_speed(
         residual = _scaled(gradient, c, ends)
         flat = residual < STEEP * np.sqrt(tolerance) * time
         if gap < tolerance * time and flat and tau < RELIEVED * tolerance:
-            return c, OPTIMAL, number, gap / time, residual / time
+            return Solution(c, OPTIMAL, number, gap / time, residual / time, caps.dual, tiles.dual)
         if gap > LOST * time or not factor_tied(system, ends):
-            return c, BROKEN, number, gap / time, residual / time
+            return Solution(c, BROKEN, number, gap / time, residual / time, caps.dual, tiles.dual)
         left = _predictor(points, ends, tiles, caps, tau, steps, gap, system)
         centre = max(product_aimed_at(gap, products, left), BALANCE * residual / products)
         go, go_dual = _corrector(points, ends, tiles, caps, tau, steps, centre, system)
         if not (go > 0.0 and go_dual > 0.0):
-            return c, BROKEN, number, gap / time, residual / time
+            return Solution(c, BROKEN, number, gap / time, residual / time, caps.dual, tiles.dual)
         c += go * system.direction
         advance(tiles.dual.reshape(-1), steps.dual.reshape(-1), go_dual)
         advance(caps.dual.reshape(-1), caps.step.reshape(-1), go_dual)
         tau *= 1.0 - go
         solver_rows.states(points, c, caps, tau, tiles.at)
-    return c, STALLED, most_steps, gap / time, residual / time
+    return Solution(c, STALLED, most_steps, gap / time, residual / time, caps.dual, tiles.dual)
 
 
 @jit(inline=True)

@@ -66,20 +66,21 @@ def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
     knots = Knots(problem)
     c = pinned(problem, np.interp(cubic_spline.control_points(problem.nodes), s, speed**1.5) ** (4.0 / 3.0))
     found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap, TOLERANCE)
-    multipliers, highest = densities(knots, settled(knots, found.dual)), float(knots.cap.max())
+    multipliers, highest = densities(knots, settled(knots, found.dual), len(limits)), float(knots.cap.max())
     coarse, fine = (dual_integral(run, limits, law, step, *multipliers, highest, points) for points in POINTS)
     value = min(coarse, fine) - abs(fine - coarse)
     return max(value, 0.0) if np.isfinite(value) else 0.0
 
 
-def densities(knots: Knots, dual: Floats) -> tuple[Floats, Floats]:
+def densities(knots: Knots, dual: Floats, joints: int) -> tuple[Floats, Floats]:
     """(n, joints) multipliers of jerk and of acceleration by length of path, as coefficients of splines over time.
 
-    Next to rest, stationarity makes the multipliers of jerk linear in time.
+    Next to rest, stationarity makes the multipliers of jerk linear in time. Rows of one's own have none here: a bound
+    without them holds with them.
     """
     half = knots.rows.shape[1] // 2
     signed = knots.by_knot(dual[:, :, 0] - dual[:, :, 1]) / knots.weight[:, None]
-    acceleration, jerk = signed[:, :half].copy(), signed[:, half:].copy()
+    acceleration, jerk = signed[:, :joints].copy(), signed[:, half : half + joints].copy()
     k = np.arange(FROM_REST)[:, None] - FROM_REST
     for of in (jerk, jerk[::-1]):
         of[:FROM_REST] = of[FROM_REST] + k * (of[FROM_REST + 1] - of[FROM_REST])

@@ -97,7 +97,7 @@ class JoinedPieces:
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
         self.highest = highest_speed(run, limits, law, law.nodes[:: max(n // SAMPLES, 1)])
         self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
-        self.terms = 4 * len(limits)
+        self.terms = 4 * limits.half
         self.lock = threading.Lock()
 
     def problem_ends(self, low: int, high: int) -> tuple[EndState, EndState]:
@@ -137,7 +137,7 @@ class JoinedPieces:
         # the rows have been gathered
         knots = dual.KnotRows(
             cubic_spline.basis_at_knots(law.nodes), np.zeros(n + 1, dtype=np.int64), weight, np.zeros(n + 2),
-            np.empty((0, 2 * len(self.limits), 3)), mesh.as_ends(),
+            np.empty((0, 2 * self.limits.half, 3)), mesh.as_ends(),
         )  # fmt: skip
         value, _, _ = dual.value_of(knots, np.zeros(n), self.cap, self.gathered, self.terms)
         return bound_of(law, law.nodes, weight, pace, self.wait, value, steps)

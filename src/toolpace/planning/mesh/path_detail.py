@@ -158,6 +158,9 @@ def allowed(limits: Limits, q: Floats, cap: Floats) -> tuple[Floats, Floats]:
     """(n,) z at steady speed and (n,) d3s/dt3 at rest that the limits allow, from path (4, n, m) and cap (n,) there."""
     whole = np.ascontiguousarray(q)
     _, steady, third = first_guess.pointwise(whole, limits.velocity, limits.acceleration, limits.jerk, cap)
+    for rows in limits.rows:
+        of_rows, third_of_rows = rows.steady(whole)
+        steady, third = np.minimum(steady, of_rows), np.minimum(third, third_of_rows)
     return steady, third
 
 

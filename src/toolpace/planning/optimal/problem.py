@@ -27,6 +27,9 @@ REST_STATES, CLOSER_AT_REST = 65, 3
 """States of a rest cell that are looked at, and places of which the surroundings are looked at so again: on a coarse
 mesh it is long."""
 
+REST_POWERS = np.array([2.0, 1.0, 2.0 / 3.0])
+"""By what power of a limit of speed, acceleration or jerk the z at the inner end of a rest cell grows."""
+
 
 class OnMesh:
     """A spline's knots along a run, or along a part of it, and its ends.
@@ -137,7 +140,6 @@ def discretise(
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
     cap, scale, problem.rows = rows_at(cache or run, limits, point, ahead)
-    half = len(limits)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
             cap[place] = min(cap[place], cached_rest_cap(run, limits, inner[place], rest[k], k == 0, cache))
@@ -145,7 +147,7 @@ def discretise(
             # what the state fixes has been checked and is no row; acceleration further on is not fixed
             here = node == node[place]
             cap[here] = np.inf
-            problem.rows[here & (ahead == 0.0), :half] = 0.0
+            problem.rows[here & (ahead == 0.0), : limits.half] = 0.0
     if highest is None:
         highest = max(highest_of(*scale, run.s1 - run.s0), start.speed**2, end.speed**2)
     problem.most = HIGHEST * highest
@@ -156,14 +158,39 @@ def discretise(
 def rows_at(
     run: AxisRun | CachedPath, limits: Limits, s: Floats, ahead: Floats
 ) -> tuple[Floats, tuple[Floats, Floats], Floats]:
-    """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 m, 3) at s (n,).
+    """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 h, 3) at s (n,), h as `Limits.half`.
 
     Acceleration is held `ahead` (n,) of its place.
     """
     q, cap = run.with_cap(s)
     q = np.ascontiguousarray(q)
     most, *scale = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, cap)
-    return most, (scale[0], scale[1]), limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+    rows = limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+    if limits.rows:
+        q_ahead = np.ascontiguousarray(run.with_cap(s + ahead)[0]) if ahead.any() else q
+        rows = with_own_rows(rows, limits, q, q_ahead, ahead)
+    return most, (scale[0], scale[1]), rows
+
+
+def with_own_rows(rows: Floats, limits: Limits, q: Floats, q_ahead: Floats, ahead: Floats) -> Floats:
+    """(n, 2 h, 3) the rows of the joints (n, 2 m, 3) with rows of one's own behind those of either kind; rows of zeros
+    where there are fewer of one kind.
+
+    From the path (4, n, m) at the places, and `ahead` of them, where acceleration is held: z goes on by its slope.
+    """
+    m, half = len(limits), limits.half
+    out = np.zeros((len(rows), 2 * half, 3))
+    out[:, :m], out[:, half : half + m] = rows[:, :m], rows[:, m:]
+    at = {1: m, 2: half + m}
+    for own in limits.rows:
+        shares = own.shares(q_ahead if own.order == 1 else q)
+        if own.order == 1:
+            h = ahead[:, None]
+            c0, c1 = shares[:, :, 0], shares[:, :, 1]
+            shares = np.stack([c0, c1 + h * c0, h * (c1 + h * c0 / 2.0)], axis=2)
+        out[:, at[own.order] : at[own.order] + own.count] = shares
+        at[own.order] += own.count
+    return out
 
 
 def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
@@ -288,7 +315,15 @@ def hidden_rest_caps(
 
 
 def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: bool, share: Floats) -> Floats:
-    """Most z at the inner end of a rest cell by the limits at shares (k,) of its time, and at both sides of breaks.
+    """Most z at the inner end of a rest cell by the limits at shares (k,) of its time, and at both sides of breaks."""
+    least: Floats = rest_caps_by_limit(run, limits, node, length, forth, share).min(axis=1)
+    return least
+
+
+def rest_caps_by_limit(
+    run: AxisRun, limits: Limits, node: float, length: float, forth: bool, share: Floats
+) -> Floats:
+    """The same by each limit, (n, k) in the order of `Limits.names`.
 
     All states of the cell scale with that z: speeds with its root, accelerations with it, jerks with its power 3/2.
     """
@@ -303,11 +338,6 @@ def rest_caps(run: AxisRun, limits: Limits, node: float, length: float, forth: b
     # rounded, the node could lie beyond a break that is there, and the breaks on the other side of themselves
     state[0, : len(share)][share == 1.0], state[0, len(share) :] = node, np.tile(breaks, 2)
     ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
-    m = len(limits)
-    allowed = (
-        ratios[:, : 1 + m].max(axis=1) ** -2.0,
-        1.0 / ratios[:, 1 + m : 1 + 2 * m].max(axis=1),
-        ratios[:, 1 + 2 * m :].max(axis=1) ** (-2.0 / 3.0),
-    )
-    least: Floats = np.minimum.reduce(allowed)
-    return least
+    for order, power in enumerate(REST_POWERS):
+        ratios[:, limits.orders == order] **= -power
+    return ratios

@@ -9,6 +9,8 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats
 from toolpace.common.workers import Workers
 from toolpace.kernels.optimal import slow_down as kernel
+from toolpace.machine.limits import Limits
+from toolpace.machine.rows import Rows
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.usage import joint_motion
 from toolpace.planning.limit_tolerances import GUARANTEE
@@ -62,17 +64,38 @@ def in_place(look: LimitCheck, law: SplineLaw, peak: Floats, ramp: float, strain
     near = np.cumsum(steps[:-1]) > 0
     # the joints' motion where a flank may lie: of a long run, at few of its nodes
     path, _ = look.path.cache.with_cap(np.clip(law.nodes[near], look.run.s0, look.run.s1))
-    state = joint_motion(path, law.at(law.times[near]))
-    motion = np.zeros((3, len(law.nodes), path.shape[2]))
-    motion[:, near] = np.abs((state.qd, state.qdd, state.qddd))
-    limits = look.limits
+    moments = law.at(law.times[near])
+    state = joint_motion(path, moments)
+    of_rows = [row_motion(rows, path, moments) for rows in look.limits.rows]
+    motion = np.zeros((3, len(law.nodes), path.shape[2] + sum(part.shape[2] for part in of_rows)))
+    motion[:, near] = np.abs(np.concatenate([(state.qd, state.qdd, state.qddd), *of_rows], axis=2))
+    acceleration, jerk = limits_with_rows(look.limits)
     none = np.zeros(len(loss), dtype=np.bool_)
     left, cost = kernel.slow_down(
-        law.times, loss, motion, limits.acceleration, limits.jerk, ramp, none if strained is None else strained
+        law.times, loss, motion, acceleration, jerk, ramp, none if strained is None else strained
     )
     left[:2] = 1.0 if law.rest[0] == 0.0 else left[:2].min()
     left[-2:] = 1.0 if law.rest[1] == 0.0 else left[-2:].min()
     return SlowDown(left, cost, above)
+
+
+def row_motion(rows: Rows, path: Floats, state: Floats) -> Floats:
+    """(3, n, count) velocity, acceleration and jerk of joints that rows of one's own would be the limits of, 1 of
+    acceleration or of jerk, as far as a slow-down changes them."""
+    v, a, j = (state[i][:, None] for i in (1, 2, 3))
+    c0, c1, c2 = np.moveaxis(rows.shares(path), 2, 0)
+    if rows.order == 1:
+        return np.stack([2.0 * c1 * v, c0 * v * v + 2.0 * c1 * a, np.zeros_like(c0)])
+    first = 2.0 * c2
+    return np.stack([first * v, c1 / 1.5 * v * v + first * a, c0 * v**3 + 2.0 * c1 * v * a + first * j])
+
+
+def limits_with_rows(limits: Limits) -> tuple[Floats, Floats]:
+    """Limits of acceleration and of jerk of the joints, and of those that rows of one's own stand for."""
+    own = [np.full(rows.count, rows.order) for rows in limits.rows]
+    order = np.concatenate([np.empty(0), *own])
+    acceleration = np.append(limits.acceleration, np.where(order == 1, 1.0, np.inf))
+    return acceleration, np.append(limits.jerk, np.where(order == 2, 1.0, np.inf))
 
 
 def slowed_in_place(

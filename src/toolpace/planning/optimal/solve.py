@@ -159,10 +159,11 @@ def attempted(problem: Problem, begin: Floats, first_gap: float, idle: float = 0
     relief = reliefs(problem, begin)
     if not np.isfinite(relief).all():
         return None
-    found, status, _, gap, gradient = solver.maximise_speed(
+    solution = solver.maximise_speed(
         problem.as_points(), problem.as_ends(), begin.copy(), relief, first_gap, idle, TOLERANCE, MOST_STEPS
     )
-    if status == solver.OPTIMAL:
+    found, gap, gradient = solution.c, solution.gap, solution.gradient
+    if solution.status == solver.OPTIMAL:
         return Attempt(found, optimal=True)
     used, z = limit_rows.usage(problem.as_points(), found)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -75,6 +75,8 @@ class Inspection:
     assumed: tuple[str, ...] = ()
     tip: tuple[Range, Range, Range] | None = None
     """Extent of the tip in X, Y, Z of the part [m]."""
+    tip_at_feed: tuple[Range, Range, Range] | None = None
+    """The same of the moves at feed; None where there are none."""
     tilt: Range | None = None
     """Least and most angle between the tool and Z of the part [rad]."""
     rotary: dict[str, Range] = field(default_factory=dict)
@@ -275,7 +277,7 @@ def _with_motion(inspection: Inspection, toolpath: ToolPath) -> Inspection:
     tilt = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
     tools = [operation.tool for operation in toolpath.operations if operation.tool]
     rotary = toolpath.rotary if toolpath.rotary is not None else np.zeros((len(tip), 0))
-    x, y, z = (_range(tip[:, k]) for k in range(3))
+    feed = np.flatnonzero(~toolpath.rapid[1:] & (toolpath.way_length[1:] > 0.0)) + 1
     return dataclasses.replace(
         inspection,
         blocks=toolpath.blocks or inspection.blocks,
@@ -287,7 +289,8 @@ def _with_motion(inspection: Inspection, toolpath: ToolPath) -> Inspection:
         tools=tuple(dict.fromkeys([*inspection.tools, *tools])),
         shapes={each.tool: each.figures for each in toolpath.operations if each.tool and each.figures is not None},
         workpiece=toolpath.workpiece,
-        tip=(x, y, z),
+        tip=_extent(tip),
+        tip_at_feed=_extent(np.concatenate([tip[feed], toolpath.way_start[feed]])) if len(feed) else None,
         tilt=_range(tilt),
         rotary={name: _range(rotary[:, k]) for k, name in enumerate(toolpath.rotary_joints) if rotary.shape[1] > k},
     )
@@ -297,6 +300,10 @@ def _blocks_with(which: Bools, block: Ints) -> int:
     """How many blocks have one of these ways (n,); a block counts each time that it is executed."""
     number = np.cumsum(np.diff(block, prepend=block[0]) != 0)
     return len(np.unique(number[which]))
+
+
+def _extent(points: Floats) -> tuple[Range, Range, Range]:
+    return _range(points[:, 0]), _range(points[:, 1]), _range(points[:, 2])
 
 
 def _range(values: Floats) -> Range:

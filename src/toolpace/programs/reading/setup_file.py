@@ -243,12 +243,12 @@ def setup_sheet(
     used: Used,
     machine: Kinematics | None,
     setup: SetUp,
-    tip: Sequence[tuple[float, float]] | None = None,
+    tip_at_feed: Sequence[tuple[float, float]] | None = None,
 ) -> str:
     """The text of a sheet (TOML) with all that the program uses, one line a figure.
 
     machine: tells the axes and the stand-ins; None: X, Y and Z at zero. setup: figures of a sheet that there is.
-    tip: (3, 2) least and most of X, Y and Z of the tip [m].
+    tip_at_feed: (3, 2) least and most of X, Y and Z of the tip where it moves at feed [m].
     """
     poses = Poses(machine)
     own, filled = Datum(poses, SetUp()), Datum(poses, setup)
@@ -267,17 +267,17 @@ def setup_sheet(
         table: dict[str, Any] = tool_table_to_fill_in(tool, own.own_length)
         lines = [f"# {TOOL}", f"[tools.{toml_key(name)}]", *(f"{key} = {toml_value(table[key])}" for key in table)]
         parts.append("\n".join(lines) + "\n" + lines_to_fill_in(table))
-    parts.append(_workpiece(setup, tip))
+    parts.append(_workpiece(setup, tip_at_feed))
     return "\n".join(parts)
 
 
-def _workpiece(setup: SetUp, tip: Sequence[tuple[float, float]] | None) -> str:
+def _workpiece(setup: SetUp, tip_at_feed: Sequence[tuple[float, float]] | None) -> str:
     """The tables of the workpiece, in mm; lines to fill in where there is no stock."""
     tables = workpiece_tables(setup.workpiece, MILLIMETRE)
     if "stock" in tables:
         return toml_text(tables)
-    corners = [", ".join(f"{each[end] * 1e3:.6g}" for each in tip) for end in (0, 1)] if tip else []
-    extent = f"\n# The tip of the tool goes from [{corners[0]}] to [{corners[1]}]." if corners else ""
+    corners = [", ".join(f"{each[end] * 1e3:.6g}" for each in tip_at_feed) for end in (0, 1)] if tip_at_feed else []
+    extent = f"\n# At feed the tip of the tool goes from [{corners[0]}] to [{corners[1]}]." if corners else ""
     return STOCK_TO_FILL_IN.format(extent=extent) + (f"\n{toml_text(tables)}" if tables else "")
 
 

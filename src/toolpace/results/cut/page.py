@@ -57,10 +57,8 @@ def cut_page(
         "motion": shell.motion_section(trajectory.duration),
         "operations": "\n".join(_operation(each) for each in simulation.operations),
         "findings": _findings(simulation.findings),
-        "unseen": escape(
-            f"Cells of {format_length(simulation.resolution)}: collisions less deep than "
-            f"{format_length(simulation.smallest_contact)} may not be seen."
-        ),
+        "unseen": escape(_unseen(simulation)),
+        "assumed": "".join(f"<li>{escape(each)}</li>" for each in simulation.assumed) or "<li>nothing</li>",
     }
     points = Sampling(trajectory, TIME_STEP, on_grid=False)
     curves = Curves.of(points, trajectory.limits, units_of(trajectory.axis_path.machine, points.joints), toolpath)
@@ -77,6 +75,17 @@ def _warning(simulation: CutSimulation) -> str:
     return (
         '<section class="panel"><p class="lead"><b>The stock is guessed</b>: the box around all cutting moves. Nothing '
         "is concluded from it, neither air nor collisions. Tell [stock] on the set-up sheet.</p></section>"
+    )
+
+
+def _unseen(simulation: CutSimulation) -> str:
+    """What the figures are good for."""
+    ends = ""
+    if simulation.uncertainty > 0.0:
+        ends = f" The stock ends within {format_length(simulation.uncertainty)} of where it is said to."
+    return (
+        f"Cells of {format_length(simulation.resolution)}: collisions less deep than "
+        f"{format_length(simulation.smallest_contact)} may not be seen.{ends}"
     )
 
 

@@ -227,6 +227,8 @@ class PlanRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Share of the path's length where the tip is off by more than 90 % of its tolerance."""
     axis_at_tolerance: float | None = None
     """The same of the tool axis."""
+    prices_s: dict[str, float] = {}
+    """What one percent more of each limit would gain, by the names of `limited_by`; empty where not asked for."""
     cut: CutRecord | None = None
     """What it cuts, where the set-up sheet names a stock and its tools; else null."""
     cut_limits: CutLimitsRecord | None = None

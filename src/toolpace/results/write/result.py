@@ -149,6 +149,8 @@ class PlanResult:
     """[rad]"""
     aimed: BendingCompensation | None = None
     """Where the bending of the tool is compensated: by what, and for which tool."""
+    prices: Mapping[str, float] = field(default_factory=dict)
+    """What one percent more of each limit would gain [s], as `Trajectory.prices` tells it; empty where not asked."""
     cut: CutSimulation | None = None
     """What it cuts, where the set-up sheet names a stock."""
     cut_limits: tuple[CutLimitsRecord, bytes] | None = None
@@ -186,6 +188,7 @@ class PlanResult:
             stops=len(trajectory.laws) - 1,
             usage=usage_record(trajectory),
             limited_by=trajectory.limited_by(),
+            prices_s=dict(self.prices),
             tip_deviation_mm=largest_finite([source.tip_deviation for source in measured], 1e3),
             axis_deviation_deg=largest_finite([source.axis_deviation for source in measured], 180.0 / math.pi),
             machine=printable(self.machine.name),

@@ -1,0 +1,163 @@
+"""Limits of one's own along a path: rows linear in z = (ds/dt)^2 and its derivatives, from those of the joints.
+
+Whatever moves with the joints has limits of the same two forms as the joints themselves. With p(q) a quantity that
+depends on their positions (the place of a carried part, the length of a cable), and primes its derivatives along the
+path,
+
+    d2p/dt2 = p'' z + p' z' / 2                          a row of acceleration
+    d3p/dt3 = (p''' z + 1.5 p'' z' + p' z'' / 2) sqrt(z)    a row of jerk
+
+so `Rows.acceleration_of` and `Rows.jerk_of` need p alone. Rows of other physics, as the torques of a chain without
+gravity are, give their coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, number
+from toolpace.common.errors import UsageError
+from toolpace.common.value_objects import one_line
+from toolpace.common.workers import Lock
+
+ORDERS = {"acceleration": 2, "jerk": 3}
+"""The kinds of rows, and how many coefficients each has: of z' and z; of z'', z' and z."""
+STEP = 3e-3
+"""How far the joints go for a difference of a quantity [m or rad]. What a difference leaves out grows with its fourth
+power, rounding with its inverse third."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rows:
+    """`count` rows of one limit along a path: |row| <= limit at any time, for each of them.
+
+    Of acceleration: c1 z' + c0 z, with z = (ds/dt)^2. Of jerk: (c2 z'' + c1 z' + c0 z) sqrt(z). Raises UsageError for
+    a limit that is no positive number, and where the function gives something else than it should.
+    """
+
+    name: str
+    """Stands in what limits a motion: "slosh"."""
+    unit: str
+    """Of the limit: "m/s^2"."""
+    limit: float
+    """Largest value of each row, above and below."""
+    function: Callable[[Floats], npt.ArrayLike]
+    """From the joints q (4, n, joints), positions and three derivatives along the path, to the coefficients
+    (n, count, 2) of z' and z, or (n, count, 3) of z'', z' and z, in that order; without the axis of a count of one too.
+    It is called with any number of places, by one thread at a time."""
+    kind: str = "acceleration"
+    """"acceleration" or "jerk"."""
+    count: int = 1
+    quantity: Callable[[Floats], npt.ArrayLike] | None = None
+    """What it is the acceleration or jerk of, (n, count) of positions (n, joints), where that is so: the judge
+    differences it over time."""
+    _lock: Lock = field(default_factory=Lock, init=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in ORDERS:
+            raise UsageError(f"rows {self.name}: kind is {self.kind!r}; give 'acceleration' or 'jerk'")
+        if not self.name or not self.name.isprintable():
+            raise UsageError(f"rows: the name is {self.name!r}; give one that can be printed")
+        number(self.limit, f"rows {self.name}: limit", least=0.0, above=True)
+        if not isinstance(self.count, int) or self.count < 1:
+            raise UsageError(f"rows {self.name}: count is {self.count!r}; give a whole number of rows, 1 or more")
+
+    @classmethod
+    def acceleration_of(
+        cls, name: str, unit: str, limit: float, quantity: Callable[[Floats], npt.ArrayLike], count: int = 1
+    ) -> Rows:
+        """A limit on the acceleration of a quantity: (n, count) of positions (n, joints) of the joints.
+
+        Its derivatives are differences of it over 3e-3 m or rad of the joints: it must be smooth over that.
+        """
+
+        def coefficients(q: Floats) -> Floats:
+            first, second, _ = derivatives_along(quantity, q, count, name)
+            return np.stack([first / 2.0, second], axis=2)
+
+        return cls(name, unit, limit, coefficients, "acceleration", count, quantity)
+
+    @classmethod
+    def jerk_of(
+        cls, name: str, unit: str, limit: float, quantity: Callable[[Floats], npt.ArrayLike], count: int = 1
+    ) -> Rows:
+        """A limit on the jerk of a quantity, as `acceleration_of` has one on its acceleration."""
+
+        def coefficients(q: Floats) -> Floats:
+            first, second, third = derivatives_along(quantity, q, count, name)
+            return np.stack([first / 2.0, 1.5 * second, third], axis=2)
+
+        return cls(name, unit, limit, coefficients, "jerk", count, quantity)
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.name} {self.limit:g} {self.unit}", f"{self.count} of {self.kind}")
+
+    @property
+    def order(self) -> int:
+        """1 of acceleration, 2 of jerk: the place of its kind among speed, acceleration and jerk."""
+        return ORDERS[self.kind] - 1
+
+    def shares(self, q: Floats) -> Floats:
+        """(n, count, 3) coefficients of z, z', z'' over the limit, from the joints q (4, n, joints)."""
+        with self._lock:
+            found = np.asarray(self.function(q), dtype=float)
+        width = ORDERS[self.kind]
+        if found.shape == (q.shape[1], width) and self.count == 1:
+            found = found[:, None]
+        if found.shape != (q.shape[1], self.count, width):
+            raise UsageError(
+                f"rows {self.name}: the function gives shape {found.shape} for {q.shape[1]} places; it must be "
+                f"({q.shape[1]}, {self.count}, {width})"
+            )
+        if not np.isfinite(found).all():
+            worst = found[~np.isfinite(found)][0]
+            raise UsageError(f"rows {self.name}: the function gives {worst}; give finite numbers")
+        out = np.zeros((q.shape[1], self.count, 3))
+        out[:, :, :width] = found[:, :, ::-1] / self.limit
+        return out
+
+    def ratio(self, q: Floats, state: Floats) -> Floats:
+        """(n,) largest |row| over limit at the joints q (4, n, joints) and states (4, n) of s."""
+        v, a, j = state[1][:, None], state[2][:, None], state[3][:, None]
+        c0, c1, c2 = np.moveaxis(self.shares(q), 2, 0)
+        value = c0 * v * v + 2.0 * c1 * a if self.order == 1 else c0 * v**3 + 2.0 * c1 * v * a + 2.0 * c2 * j
+        largest: Floats = np.abs(value).max(axis=1)
+        return largest
+
+    def steady(self, q: Floats) -> tuple[Floats, Floats]:
+        """(n,) the most z at steady speed, and (n,) the most d3s/dt3 at rest; inf where the rows hold nothing."""
+        c0, _, c2 = np.abs(self.shares(q)).max(axis=1).T
+        with np.errstate(divide="ignore"):
+            return (1.0 / c0) ** (1.0 if self.order == 1 else 2.0 / 3.0), 0.5 / c2
+
+
+def derivatives_along(quantity: Callable[[Floats], npt.ArrayLike], q: Floats, count: int, name: str) -> Floats:
+    """(3, n, count) first to third derivative along the path of a quantity of positions, by differences.
+
+    Central ones of seven places on the Taylor polynomial of the joints q (4, n, joints): of sixth order, and of the
+    fourth for the third derivative (Fornberg 1988).
+    """
+    n, factorial = q.shape[1], np.array([1.0, 2.0, 6.0])
+    with np.errstate(divide="ignore"):
+        reach = (STEP / 3.0 * factorial[:, None, None] / np.abs(q[1:])) ** (1.0 / np.arange(1.0, 4.0))[:, None, None]
+    h = reach.min(axis=(0, 2))
+    h[~np.isfinite(h)] = 1.0
+    x = h * np.arange(-3.0, 4.0)[:, None]
+    places = q[0] + x[:, :, None] * (q[1] + x[:, :, None] * (q[2] / 2.0 + x[:, :, None] * q[3] / 6.0))
+    found = np.asarray(quantity(np.ascontiguousarray(places.reshape(7 * n, -1))), dtype=float)
+    if found.shape not in ((7 * n, count), (7 * n,)) or found.size != 7 * n * count:
+        raise UsageError(
+            f"rows {name}: the quantity has shape {found.shape} for {7 * n} positions; it must be ({7 * n}, {count})"
+        )
+    f = found.reshape(7, n, count)
+    (odd3, odd2, odd1), (even3, even2, even1) = f[:2:-1][:3] - f[:3], f[:2:-1][:3] + f[:3]
+    h = h[:, None]
+    return np.stack([
+        (45.0 * odd1 - 9.0 * odd2 + odd3) / (60.0 * h),
+        (270.0 * even1 - 27.0 * even2 + 2.0 * even3 - 490.0 * f[3]) / (180.0 * h**2),
+        (-13.0 * odd1 + 8.0 * odd2 - odd3) / (8.0 * h**3),
+    ])  # fmt: skip
