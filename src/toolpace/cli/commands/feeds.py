@@ -321,7 +321,7 @@ def show_feeds(console: Console, found: NewFeeds) -> None:
     for old, new in zip(found.before.parts, found.after.parts):
         less = 1.0 - new.time / old.time if old.time > 0.0 else 0.0
         times = format_time(old.time), format_time(new.time)
-        words = [old.name or "-", old.tool or "-", *times, f"{100.0 * less:.1f} %"]
+        words = [old.name or "-", old.tool or "-", *times, f"{round(100.0 * less, 1) + 0.0:.1f} %"]
         table.add_row(*cells(words))
     console.print(table)
     _show_loads(console, found)
