@@ -117,7 +117,7 @@ def motions() -> list[OnTheWall]:
     )  # fmt: skip
     promise = CutPromise(
         "limits", round_stock((np.array([0.0, -20e-3, -20e-3]), np.array([40e-3, 0.3e-3, 0.0])), None, 0.0),
-        [setup.figures_of("1")], {}, {"": COEFFICIENTS}, CELL,
+        [setup.figures_of("1")], {}, {"": COEFFICIENTS}, {}, CELL,
     )  # fmt: skip
     return [on_the_wall(name, trajectory, toolpath, promise) for name, trajectory in named]
 

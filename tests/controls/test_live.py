@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import socket
+import sys
 import time
 from urllib.parse import urlsplit
 
@@ -20,6 +21,7 @@ from toolpace.controls.live.view import LiveView
 from toolpace.deflection.following import Follower, Measurement
 from toolpace.results.report import limit_shares
 
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipe that never waits")
 PROGRAM = "G21 G90 G17 G94\nG0 X10 Y-5 Z12 A0 C0\nG1 Z11 F900\nX13 Y-3 A2 C3 F500\nM2\n"
 
 
@@ -150,12 +152,11 @@ def test_the_server_ends_with_the_command(follower):
 @pytest.mark.browser
 def test_a_browser_shows_it_until_it_ends(view, follower):
     with watched(view.address, width=700, scheme="dark") as page:
-        stepped(follower, 400, view)
-        page.wait("toolpace.state() && toolpace.state().t > 0.34")
-        state = page.run("toolpace.state()")
+        # as many as the pipe holds: none is dropped
+        points = stepped(follower, 150, view)
+        page.wait("toolpace.state() && toolpace.state().t > 0.149")
         assert page.page.locator("#badge").inner_text() == "live"
-        page.wait("document.getElementById('pace').textContent !== '-'")
-        assert page.page.locator("#q-0").inner_text() == f"{state['q'][0]:.4f}"
+        page.wait(f"document.getElementById('q-0').textContent === '{1e3 * points[-1].q[0]:.4f}'")
         assert page.page.locator("h1 b").count() == 0
         view.close()
         page.wait("document.getElementById('badge').textContent === 'ended'")

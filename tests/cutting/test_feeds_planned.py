@@ -135,6 +135,34 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
     assert ((which >= 0) == (allowed > 0.0)).all()
 
 
+def allowed_by(teacher, learner, speed, **without):
+    """Most speed of a learner by one place of a teacher, with some of its loads out of the condition."""
+    n = len(speed)
+    best = best_of(held_loads(teacher, speed, places(n).way, np.ones(n, dtype=bool)))
+    endless = {name: np.full(len(best), np.inf) for name in without}
+    return learned_speeds(learner.loads(speed), replace(best, **endless), speed)[0]
+
+
+def largest_torque(forces, speed, material):
+    return EngagedForces(forces.engagement, TOOL, material).loads(speed).torque.max()
+
+
+def test_each_of_the_three_conditions_is_needed():
+    """Left out, a material is found that is loaded more than at the teacher; or an edge whose chip is thicker."""
+    speed, cutting, edges = np.full(20, 0.03), Coefficients(1e9, 0.0), Coefficients(0.0, 0.0, 0.0, 1e4)
+    shallow, slot, thin, half = (
+        EngagedForces(shoulder(width, depth, 20), TOOL, Coefficients(1e9, 1e9))
+        for width, depth in ((9.9e-3, 1e-3), (9.9e-3, 2e-3), (0.3e-3, 8e-3), (5e-3, 2.5e-3))
+    )
+    for teacher, learner, load, material in ((shallow, thin, "edge", edges), (thin, half, "area", cutting)):
+        most = largest_torque(teacher, speed, material)
+        held, free = (allowed_by(teacher, learner, speed, **without) for without in ({}, {load: None}))
+        assert largest_torque(learner, np.maximum(held, 1e-9), material) <= most * (1.0 + 1e-6) or not held.any()
+        assert largest_torque(learner, free, material) > 1.2 * most
+    free = allowed_by(slot, thin, speed, chip=None)
+    assert thin.loads(free).chip.max() > 1.2 * slot.loads(speed).chip.max()
+
+
 @pytest.fixture(scope="module")
 def cut():
     machine = tp.Machine.load("xyzac-trunnion")

@@ -61,7 +61,7 @@ def limited(scene, name, limit, resolution):
     return Limited(plan, CutJudge(plan.plan.trajectory.sample(1e-3), toolpath, promise), cut_arrays(data))
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "scene, name, limit, resolution, above, below",
     [
@@ -70,15 +70,16 @@ def limited(scene, name, limit, resolution):
         ("wall", "chip", 0.05e-3, 0.15e-3, ABOVE, BELOW),
         # between its slices and at scallops of a cell the chips of a ball are known to a hundredth or two
         ("ball", "chip", 0.05e-3, 0.1e-3, 15.0 * ABOVE, 4.0 * BELOW),
+        ("turning", "chip", 0.05e-3, 0.15e-3, 15.0 * ABOVE, 4.0 * BELOW),
     ],
 )
 def test_the_limited_load_is_reached_and_not_passed(scene, name, limit, resolution, above, below):
     found = limited(scene, name, limit, resolution)
-    ratio, speed = found.of_limit(name, limit, 40).T
+    ratio, speed = found.of_limit(name, limit, 30).T
     held = (speed > 0.995) & (ratio > 0.05)
     assert ratio.max() <= 1.0 + above
     # the few at entries and exits have the cap of the worse side
-    assert held.sum() >= 15 and np.quantile(ratio[held], 0.15) >= 1.0 - below
+    assert held.sum() >= 12 and np.quantile(ratio[held], 0.15) >= 1.0 - below
     assert found.plan.plan.trajectory.gap <= 0.01
     assert found.plan.plan.trajectory.usage().worst <= 1.0001
 
@@ -100,7 +101,7 @@ def test_caps_of_the_cut_are_ipopts_optimum():
     assert abs(against_ipopt(limited_slot(), 80)) <= 1e-4
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 @pytest.mark.parametrize("scene", ["pocket", "wall", "ball"])
 def test_caps_of_the_cut_are_ipopts_optimum_in_scenes(scene):
     assert abs(against_ipopt(limited(scene, "chip", 0.05e-3, 0.4e-3).plan, 200)) <= 1e-4

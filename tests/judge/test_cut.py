@@ -10,13 +10,16 @@ import pytest
 
 import toolpace as tp
 from tests.support.engagements import engagement
-from tests.support.limited_plans import SLOT, limited_slot
-from toolpace.judge.cut import CutJudge, CutPromise, cut_checks, round_stock
+from tests.support.limited_plans import SLOT, limited_slot, machine
+from toolpace.cutting.feeds.limited_plan import plan_within_cut
+from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.judge.cut import CutJudge, CutPromise, cut_checks, learned_check, round_stock
 from toolpace.judge.cut.sections import Poses, Section, Surface, shape_of
 from toolpace.judge.cut.turning import Cutting, loads_of
 from toolpace.machine.cutting_tool import Coefficients
+from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
-from toolpace.results.write.cut_limits import cut_arrays, cut_bytes
+from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record, promise_of
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
 FEED = np.array([1.0, 0.0, 0.0])
@@ -106,7 +109,7 @@ def test_loads_are_those_of_the_library(tool):
 def test_what_a_plan_promised_of_its_cut_is_held_and_what_was_changed_is_found():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
-    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, 1e-3)
+    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, 1e-3)
     judge = CutJudge(points, SLOT.toolpath(), promise)
     checks = {check.what: check for check in cut_checks(judge, file, 6, 6)}
     assert all(check.ok for check in checks.values()), list(checks.values())
@@ -128,6 +131,38 @@ def test_what_a_plan_promised_of_its_cut_is_held_and_what_was_changed_is_found()
 def test_a_stock_that_is_larger_than_planned_is_found():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
-    promise = CutPromise("air", box([0.0, -20e-3, -20e-3], [80e-3, 20e-3, 0.0]), SLOT.tools, {}, {}, 1e-3)
+    promise = CutPromise("air", box([0.0, -20e-3, -20e-3], [80e-3, 20e-3, 0.0]), SLOT.tools, {}, {}, {}, 1e-3)
     judge = CutJudge(points, SLOT.toolpath(), promise)
     assert "cut above the feed" in {check.what for check in cut_checks(judge, file, 8, 0) if not check.ok}
+
+
+LEARNING = """G21 G90 G54 G17
+T1 M6
+S6000 M3
+G0 X-12 Y0 Z-2
+G1 X52 F600
+G0 Z20
+G0 X-12 Y-24
+G0 Z-2
+G1 X52
+G0 Z20
+M30
+"""
+"""A slot, and a shoulder 1 mm wide whose chips are thinner at the same feed."""
+
+
+def test_what_is_learned_is_within_a_teacher():
+    setup = setup_of_text(SLOT.sheet)
+    toolpath = tp.read_text(LEARNING, machine(), controller="linuxcnc", setup=setup)
+    rules = FeedRules("learned", air_feed=0.1, finishing=True)
+    plan = plan_within_cut(toolpath, machine(), setup, rules, effort="low", resolution=0.5e-3)
+    data = cut_bytes(plan)
+    promise = promise_of(cut_record(plan, rules, data), toolpath, setup, machine())
+    judge = CutJudge(plan.plan.trajectory.sample(2e-3), toolpath, promise)
+    in_shoulder = [judge.instant(row) for row in np.flatnonzero(judge.points.block == 9)[[300, 400]]]
+    assert all(each.speed > 0.012 and each.loads["chip"] > 0.0 for each in in_shoulder)
+    found = learned_check(judge, in_shoulder)
+    assert found.ok and found.value > 0.95, found
+    chip, area, edge = np.array(promise.teachers["1"]).max(axis=0)
+    judge.promise = dataclasses.replace(promise, teachers={"1": [(0.9 * chip, area, edge)]})
+    assert not learned_check(judge, in_shoulder).ok

@@ -148,7 +148,7 @@ def test_files_are_what_was_asked_for(planned, tmp_path, capsys):
     words = ["picture", plan, "--size", "96x72", "--seconds", "0.5s", "--to", str(tmp_path / "x.gif")]
     assert main(words) == 0
     with image.open(tmp_path / "x.gif") as moving:
-        assert moving.size == (96, 72) and moving.n_frames == 6
+        assert moving.size == (96, 72) and moving.n_frames == 5
     assert str(tmp_path / "x.gif") in capsys.readouterr().out.replace("\n", "")
 
 

@@ -66,4 +66,14 @@ def tilted_ball(feed=900):
     return text, sheet([[0, -10, -15], [36, 15, 0]], "ball", 8.0, 8000, flutes=6)
 
 
-SCENES = {"pocket": pocket, "slot": widening_slot, "wall": stepped_wall, "ball": tilted_ball}
+def turning_ball(feed=900):
+    """A row of a ball that leans over by 40 degrees on its way."""
+    lines = ["G43.4 H1", "G0 X-6 Y0 Z8 A0 C0"]
+    for k in range(81):
+        start = f" F{feed}" if not k else ""
+        lines.append(f"G1 X{-6.0 + 0.5 * k:g} Y0 Z-1.5 A{0.5 * k:g} C0{start}")
+    text = HEAD.format(turns=8000) + "\n".join([*lines, "G0 Z20", "G49"]) + "\nM30\n"
+    return text, sheet([[0, -10, -15], [28, 15, 0]], "ball", 8.0, 8000, flutes=6)
+
+
+SCENES = {"pocket": pocket, "slot": widening_slot, "wall": stepped_wall, "ball": tilted_ball, "turning": turning_ball}

@@ -34,11 +34,12 @@ def radius_at(tool, z):
 
 
 def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, trochoidal=False, phase=0.0,
-                bend=None):  # fmt: skip
+                bend=None, fine=False):  # fmt: skip
     """Forces (steps, 3) [N] along feed, normal and axis, and torque (steps,) [N m], of station i over a turn.
 
     speed of the tip [m/s]; phase: angle of the runout from the first tooth. With `bend`, a function of heights (n,)
     that gives (w, n) deflections per force there, also deflections (steps, w, 2) along feed and normal [m].
+    fine: pieces of a third, without which peaks are up to 4 percent off where arcs are short.
     """
     k, sense = coefficients, 1.0 if tool.clockwise else -1.0
     count = tool.teeth
@@ -51,7 +52,8 @@ def turned_tool(tool, coefficients, engagement, i, speed, spindle, steps=5760, t
     bent = None if bend is None else np.zeros((steps, len(bend(np.zeros(1))), 2))
     slope = 2.0 * np.tan(tool.helix) / tool.diameter
     # a piece lags by a tenth of a degree at most
-    pieces = max(int(abs(slope) * engagement.slice_height / np.radians(0.1)), 30)
+    lag, least = (np.radians(0.03), 100) if fine else (np.radians(0.1), 30)
+    pieces = max(int(abs(slope) * engagement.slice_height / lag), least)
     for a in range(engagement.first_arc[i], engagement.first_arc[i + 1]):
         low = engagement.slice[a] * engagement.slice_height
         # finer towards the tip, where the surface of a ball turns

@@ -66,7 +66,7 @@ def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool,
         reached = speeds_reached(cut.toolpath, request.machine, figures)
     tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
     with steps.step("feeds") as step:
-        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached)
+        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules.for_machine(request.machine), reached)
         written = with_cut_feeds(
             source, request.machine, request.dialect, options, cut.toolpath, plan, divide
         )

@@ -9,6 +9,7 @@ import toolpace as tp
 from tests.support.report_pages import embedded, opened
 from toolpace.deflection.following import SetPoint, Status
 from toolpace.results.report import follow_report
+from toolpace.results.report.shell import THEME_BUTTON, framed
 
 ERROR = "<b>bent</b></script>"
 COUNT = 2001
@@ -42,7 +43,11 @@ def test_curves_are_those_of_the_run(page):
 
 
 @pytest.mark.browser
-def test_it_plays_and_names_are_text(page):
+def test_it_plays_and_names_are_text(page, tmp_path):
+    """And its colours are changed by a button, as are those of a page without any script of its own."""
+    plain = tmp_path / "plain.html"
+    plain.write_text(framed("plain", THEME_BUTTON), encoding="utf-8")
+    colours = "getComputedStyle(document.documentElement).colorScheme"
     with opened(page, width=700, scheme="dark") as found:
         state = found.run("(toolpace.seek(1), toolpace.state())")
         assert state["t"] == 1.0 and state["errors"][ERROR] == pytest.approx(10.0) and state["pace"] == 1.0
@@ -53,5 +58,10 @@ def test_it_plays_and_names_are_text(page):
         assert found.page.locator("main b:has-text('bent')").count() == 0
         assert found.page.locator("#names").inner_text().strip() == ERROR
         assert found.run("document.documentElement.scrollWidth") <= 701
+        for address in (page, plain):
+            found.page.goto(address.as_uri())
+            assert found.run(colours) == "dark"
+            found.page.locator('[data-do="theme"]').click()
+            assert found.run(colours) == "light"
         assert found.problems == []
         assert [url for url in found.requests if not url.startswith(("file:", "data:"))] == []

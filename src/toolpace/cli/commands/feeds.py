@@ -77,7 +77,7 @@ class Allowed:
         str | None, Parameter(help="What is cut, for forces: Al7075-T6, or a file of coefficients (.toml).")
     ] = None
     air_feed: Annotated[
-        str | None, Parameter(help="Feed in air: 6000mm/min. By default the highest of the program.")
+        str | None, Parameter(help="Feed in air, and the most in the cut: 6000mm/min. By default as the slowest axis.")
     ] = None
     margin: Annotated[
         str, Parameter(help="How far before and behind the material the feed of the cut holds: 1mm.")

@@ -19,9 +19,11 @@ SMALLEST, LARGEST = 64, 4000
 """Sides of a picture [pixels]."""
 LONGEST = 60.0
 """Of an animation [s]."""
-FRAMES_PER_SECOND = 12
-COLOURS = 96
-"""Of an animation."""
+FRAMES_PER_SECOND = 10
+MOVING_POINTS = 110
+"""Of the lattice of the stock along its longest side, in an animation: its pictures are small."""
+COLOURS, SAMPLES = 128, 6
+"""Of an animation, and of how many of its pictures the palette is."""
 STILL, MOVING = "1200x900", "480x360"
 View = Annotated[
     str,
@@ -64,7 +66,7 @@ def picture_command(
         toolpace picture part-plan --to part.gif --seconds 6s
         toolpace picture part-plan --view machine --begin 10s --finish 20s --to part.gif
     """
-    from toolpace.results.picture.draw import ShownPlan, direction_axes
+    from toolpace.results.picture.draw import POINTS, ShownPlan, direction_axes
 
     if (out is None) == (to is None):
         raise UsageError("picture: give one of --out x.png (a picture) and --to x.gif (an animation)")
@@ -75,7 +77,7 @@ def picture_command(
     console = new_console()
     steps = Steps(console)
     with steps.step("loading") as step:
-        shown = ShownPlan.load(directory)
+        shown = ShownPlan.load(directory, POINTS if out is not None else MOVING_POINTS)
         step.note = shown.workpiece.note
     if out is not None:
         with steps.step("drawing"):
@@ -173,8 +175,12 @@ def write_animation(
         t = span[0] + (span[1] - span[0]) * k / (count - 1)
         frames.append(image.fromarray(picture(shown, t, view, pixels)))
         progress((k + 1) / count)
-    # one palette for all: what does not change is then the same in all of them, and takes no room
-    palette = frames[count * 2 // 3].quantize(COLOURS)
+    # one palette for all: what does not change is then the same in all of them, and takes no room; small things such as
+    # the tool keep their colours
+    sheet = image.new("RGB", (pixels[0], pixels[1] * SAMPLES))
+    for k in range(SAMPLES):
+        sheet.paste(frames[(count - 1) * k // (SAMPLES - 1)], (0, pixels[1] * k))
+    palette = sheet.quantize(COLOURS, method=image.Quantize.MAXCOVERAGE)
     drawn = [each.quantize(palette=palette, dither=image.Dither.NONE) for each in frames]
     # the last is looked at for a while
     times = [round(1000 / FRAMES_PER_SECOND)] * (count - 1) + [1500]

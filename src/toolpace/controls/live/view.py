@@ -49,7 +49,9 @@ class LiveView:
     """
 
     def __init__(self, follower: Follower, title: str) -> None:
-        """Start the server. Raises UsageError where it does not start."""
+        """Start the server. Raises UsageError where it does not start, and on Windows."""
+        if sys.platform == "win32":
+            raise UsageError("--watch: Windows has no pipe that takes rows at once or not at all; use Linux or macOS")
         self.dropped = 0
         used = int(follower.piece[layout.USED])
         place = follower.piece[layout.PLACE : layout.COMPLIANCE].view(np.int64)

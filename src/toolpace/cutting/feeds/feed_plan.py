@@ -28,7 +28,7 @@ from toolpace.cutting.feeds.limits import AIR, FEED, SOURCES, TAUGHT, CutLimits,
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places, over_window, slowest_within, stepped
 from toolpace.cutting.feeds.teaching import HEAVIEST, Taught, taught
-from toolpace.cutting.forces.engaged import CutLoads
+from toolpace.cutting.forces.engaged import CutLoads, turning_of
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
 from toolpace.cutting.stock.solids import guessed_stock
@@ -153,10 +153,11 @@ class _Planning:
         self.kept: dict[str, float] = defaultdict(float)
         self.times = np.zeros(2)
         """Of what is cut: with all teachers, and without the heaviest time [s]."""
-        self.air_feed = self.rules.air_feed or moves.highest
+        self.air_feed = self.rules.air_feed or self.rules.machine_feed or moves.highest
         if self.rules.air_feed is None:
-            feed = f"{self.air_feed * 60e3:g} mm/min"
-            self.notes.append(f"in air: {feed}, the highest feed of the program (--air-feed)")
+            fastest = self.rules.machine_feed is None
+            whose = "the highest feed of the program" if fastest else "as fast as the slowest linear axis"
+            self.notes.append(f"in air: {self.air_feed * 60e3:.6g} mm/min, {whose} (--air-feed)")
 
     def guessed(self) -> list[Floats]:
         """The feeds as they are; what they might be is told."""
@@ -243,7 +244,10 @@ class _Planning:
                 held, allowed = self.learned(k, known[tool, turns], loads, at)
             elif limits.names:
                 forces = moves.forces(stretch, stretch.possible, turns)
-                within = speeds_within(forces, moves.places[k], limits, max(self.air_feed, float(before.max())))
+                # the axis turns as far on a way, however fast
+                turning = turning_of(stretch.stations.axis, moves.places[k].way, stretch.possible)
+                most = max(self.air_feed, float(before.max()))
+                within = speeds_within(forces, moves.places[k], limits, most, turning)
                 self.tell_overload(stretch, limits, 1.0 + np.where(at, within.exceeded, 0.0), True)
                 allowed = np.where(within.exceeded > 0.0, before, within.speed)
                 words = np.array([SOURCES.index(name.replace("_", " ")) for name in limits.names])

@@ -11,6 +11,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.cutting.feeds.feed_moves import FeedMoves
+from toolpace.cutting.forces.tool_beam import bends
 
 RATE = 5
 """Stations over which a removal rate is a mean."""
@@ -38,7 +39,7 @@ def largest_loads(moves: FeedMoves, after: Sequence[Floats]) -> tuple[LargestLoa
             continue
         told = {"chip", "removal_rate"}
         if moves.rules.material_of(tool) is not None:
-            told |= {"force", "torque", "power"} | ({"deflection"} if figures.stick_out is not None else set())
+            told |= {"force", "torque", "power"} | ({"deflection"} if bends(figures) else set())
         for kind in told & set(loads[0]):
             most = found.setdefault((tool, kind), np.zeros(2))
             np.maximum(most, [each[kind] for each in loads], out=most)
@@ -66,5 +67,5 @@ def _loads_at(moves: FeedMoves, k: int, feed: Floats) -> dict[str, float]:
             "power": np.abs(loads.power), "deflection": np.nan_to_num(loads.deflection),
         }  # fmt: skip
         for kind, values in kinds.items():
-            largest[kind] = max(largest[kind], float(values[at].max(initial=0.0)))
+            largest[kind] = max(largest[kind], float(values[at & ~stretch.air].max(initial=0.0)))
     return dict(largest)

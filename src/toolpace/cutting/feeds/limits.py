@@ -109,7 +109,10 @@ def speeds_within(
     if not names or not n:
         return SpeedLimits(np.full(n, most), np.full(n, -1), np.zeros(n))
     if not forces.bends and OF_BENDING & set(names):
-        raise UsageError("limits of the cut: the tool's stick_out is missing; give it in the tool table")
+        raise UsageError(
+            "limits of the cut: a deflection or a moment needs the tool's stick_out and its material; give both in the "
+            'tool table, like stick_out = "40mm" and material = "carbide"'
+        )
     section = forces.section_modulus
     step = np.diff(places.way, prepend=places.way[:1])
     per_way = np.divide(forces.engagement.removed, step, out=np.zeros(n), where=step > 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal, get_args
 
 from toolpace.common.arrays import number
@@ -13,6 +13,7 @@ from toolpace.cutting.feeds.learned import Teacher
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.schedule import Steps
 from toolpace.machine.cutting_tool import Coefficients
+from toolpace.machine.machine import Machine
 from toolpace.programs.toolpath import ToolPath
 
 Way = Literal["air", "learned", "limits"]
@@ -27,7 +28,9 @@ class FeedRules:
 
     way: Way = "air"
     air_feed: float | None = None
-    """In air [m/s]; None: the highest feed of the program."""
+    """In air, and the most where something is cut [m/s]; None: that of the machine."""
+    machine_feed: float | None = None
+    """What its slowest linear joint allows [m/s], see `for_machine`; None: the highest feed of the program."""
     steps: Steps = field(default_factory=Steps)
     raise_at_most: float = math.inf
     """By what factor, where something may be cut."""
@@ -51,8 +54,14 @@ class FeedRules:
             raise UsageError(f"feeds '{str(self.way)[:40]}' are not known; {did_you_mean(str(self.way), WAYS)}")
         if not self.raise_at_most >= 1.0:
             raise UsageError(f"raise_at_most = {self.raise_at_most:g} is less than 1; lower=True lowers feeds")
-        if self.air_feed is not None:
-            number(self.air_feed, "air_feed", least=0.0, above=True, unit="m/s")
+        for name in ("air_feed", "machine_feed"):
+            if getattr(self, name) is not None:
+                number(getattr(self, name), name, least=0.0, above=True, unit="m/s")
+
+    def for_machine(self, machine: Machine) -> FeedRules:
+        """These on a machine: its slowest linear joint may move as fast in any direction."""
+        slowest = float(machine.limits.velocity[machine.linear].min())
+        return replace(self, machine_feed=slowest) if math.isfinite(slowest) else self
 
     def limits_of(self, tool: str) -> CutLimits:
         """Its own, and of each kind that it has none of, that for all. Raises UsageError where one needs a material."""

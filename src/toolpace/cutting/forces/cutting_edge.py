@@ -15,8 +15,9 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.programs.tool_figures import ToolFigures
 
-BEND = math.radians(6.0)
-"""Most turning of the surface's normal over a piece [rad]: two points a piece integrate it to 1e-7."""
+BEND = math.radians(2.0)
+"""Most turning of the surface's normal over a piece [rad]. Two points a piece integrate it to 1e-9; but where the chip
+begins within a piece (a ball that goes up), a point is in the chip or not. At 6 degrees that cost 1.7 percent."""
 END = 8
 """Pieces of the flat end."""
 GAUSS = 0.5 / math.sqrt(3.0)

@@ -28,17 +28,17 @@ from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.forces.cutting_edge import CuttingEdge
-from toolpace.cutting.forces.tool_beam import ToolBeam
+from toolpace.cutting.forces.tool_beam import ToolBeam, bends
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
 
 if TYPE_CHECKING:
     from toolpace.kernels.cutting.forces import Arcs, Edge, Teeth
 
-STEP = math.radians(0.5)
+STEP = math.radians(0.2)
 """Most between two angles at which the forces of a turn are looked at [rad]. Of 100 random engagements peaks are within
-0.2 percent of the largest force in the median, and within 2.6 at worst, where a round tip comes in at once."""
-LAG = 1.5
+0.06 percent of the largest force in the median, and within 0.7 at worst; of twelve more one was at 1.1."""
+LAG = 3.75
 """Most lag of the helix over a piece of the edge, in such steps."""
 BLOCK = 2000
 """Stations that one call of the kernel takes."""
@@ -140,12 +140,13 @@ class EngagedForces:
 
     @cached_property
     def _beam(self) -> ToolBeam | None:
-        """The bar that bends; None where the stick-out is not known."""
-        return None if self.tool.stick_out is None else ToolBeam.of(self.tool, self.youngs_modulus)
+        """The bar that bends; None where its stick-out or its material is not known."""
+        known = bends(self.tool) if self.youngs_modulus is None else self.tool.stick_out is not None
+        return ToolBeam.of(self.tool, self.youngs_modulus) if known else None
 
     @property
     def bends(self) -> bool:
-        """Whether moments and deflections are known: the tool's stick-out is."""
+        """Whether moments and deflections are known: the tool's stick-out and its material are."""
         return self._beam is not None
 
     @property

@@ -31,6 +31,8 @@ STEEP = 0.02
 """Share of a motion along the axis from which the flat end of a tool cuts, which is not judged."""
 HELD = 0.01
 """Share of a limit by which a load may pass it: what the cells of the accused stock do to an engagement."""
+LEARNED = 0.03
+"""Share by which a load may pass that of its teacher: cells tell both to about a hundredth."""
 SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 STATIONS, IMMERSION = 12, 0.03
@@ -63,6 +65,8 @@ class CutPromise:
     coefficients: Mapping[str, Coefficients]
     """Of what is cut, likewise."""
 
+    teachers: Mapping[str, Sequence[tuple[float, float, float]]]
+    """By tool: chip [m], area of the chips [m2] and length of the edge [m] that places take which teach."""
     resolution: float
     """Size of a cell of the stock that the plan was made with [m]."""
 
@@ -119,6 +123,13 @@ class CutJudge:
         self.operation, self.rapid = self._of_blocks()
         self.poses, self.row = self._poses()
         self._found: dict[int, Instant | None] = {}
+
+    @property
+    def unseen(self) -> list[str]:
+        """Tools at feed whose shape is not judged."""
+        at_feed = np.unique(self.toolpath.operation[1:][~self.toolpath.rapid[1:]]).tolist()
+        tools = [self.promise.tools[k] for k in at_feed if self.shape_of_operation[k] < 0]
+        return sorted({each.kind for each in tools if each is not None})
 
     def _of_blocks(self) -> tuple[Ints, Bools]:
         """(n,) the operation of each set-point, and whether it is at rapid, by the line that it names."""
@@ -223,6 +234,8 @@ def cut_checks(
         checks += limit_checks(judge, found)
     if judge.promise.feeds == "air":
         checks.append(air_check(judge, found))
+    if judge.promise.feeds == "learned":
+        checks.append(learned_check(judge, found))
     return [*checks, speed_check(judge, found, file)]
 
 
@@ -272,6 +285,22 @@ def air_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     return worst
 
 
+def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
+    """Whether chip, area and edge are all within those of one teacher, wherever the tip is faster than the program's
+    feed."""
+    points, worst = judge.points, Check("load over its teacher's", 0.0, 1.0 + LEARNED, "", True)
+    for each in found:
+        if each.speed <= judge.feed(each) * (1.0 + SPEED) or not each.loads:
+            continue
+        own = np.array([each.loads[name] for name in ("chip", "area", "edge")])
+        teachers = np.array(judge.promise.teachers.get(judge.tool_of(each), ())).reshape(-1, 3)
+        share = float((own / teachers).max(axis=1).min(initial=math.inf))
+        time, block = float(points.t[each.row]), int(points.block[each.row])
+        if share > worst.value:
+            worst = Check(worst.what, share, worst.limit, "", share <= worst.limit, time, block)
+    return worst
+
+
 def engagement_check(judge: CutJudge, file: Mapping[str, Floats | Ints], stations: int) -> Check:
     """Whether the engagement in a file is that of the motion: of some of its stations, the share of a turn in material,
     as a mean over the height."""
@@ -317,4 +346,8 @@ def checks_of_cut(
     """The checks of the cut of set-points along a tool path with the program's own feeds; see `cut_checks`."""
     if promise is None:
         return [Check("cut", math.nan, 0.0, "", True, note=NOT_JUDGED)]
-    return cut_checks(CutJudge(points, toolpath, promise), file, INSTANTS, STATIONS)
+    judge = CutJudge(points, toolpath, promise)
+    checks = cut_checks(judge, file, INSTANTS, STATIONS)
+    if unseen := judge.unseen:
+        checks.append(Check("cut", math.nan, 0.0, "", True, note=f"not judged: {', '.join(unseen)}"))
+    return checks

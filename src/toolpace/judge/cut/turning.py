@@ -59,10 +59,13 @@ def loads_of(section: Section, cutting: Cutting, velocity: Floats, axis: Floats,
     }
     edge = _Edge(section, tool, shape, velocity, axis, turning)
     found["chip"], found["removal_rate"] = edge.chip / (teeth * cutting.turns), edge.rate
-    if cutting.coefficients is None or not engaged:
+    if not engaged:
         return found
     beam = None if tool.stick_out is None else _Beam(tool, edge.height)
     turned = edge.turned(cutting, beam)
+    found |= {"area": float(turned.area.max()), "edge": float(turned.edge.max())}
+    if cutting.coefficients is None:
+        return found
     size = np.linalg.norm(turned.force, axis=1)
     found |= {
         "force": float(size.max()),
@@ -89,6 +92,10 @@ class _Turned:
     """(steps,) [N m]"""
     moment: Floats
     """(steps, 2) at the holder, by forces along feed and left [N m]."""
+    area: Floats
+    """(steps,) of the chips of all teeth [m2]."""
+    edge: Floats
+    """(steps,) in material, as width of the chips [m]."""
     bent: Floats
     """(steps, heights, 2) along feed and left [m]; of the tip first, then of the slices."""
 
@@ -130,13 +137,13 @@ class _Edge:
 
     def turned(self, cutting: Cutting, beam: _Beam | None) -> _Turned:
         """All over a turn."""
-        tool, k = self.tool, cutting.coefficients
-        assert k is not None
+        tool, k = self.tool, cutting.coefficients or Coefficients(0.0, 0.0)
         teeth, sense = tool.teeth or 1, 1.0 if tool.clockwise else -1.0
         pitch = np.array(tool.pitch) if tool.pitch else np.full(teeth, 2.0 * math.pi / teeth)
         offset = sense * np.concatenate([[0.0], np.cumsum(pitch)[:-1]])
         theta = sense * 2.0 * math.pi * np.arange(STEPS) / STEPS
         force, torque = np.zeros((STEPS, 3)), np.zeros(STEPS)
+        area, edge = np.zeros(STEPS), np.zeros(STEPS)
         moment = np.zeros((STEPS, 2))
         bent = np.zeros((STEPS, 1 + len(self.height), 2))
         high = self.section.slice_height
@@ -166,6 +173,8 @@ class _Edge:
                 for column, part in enumerate(parts):
                     force[:, column] += np.bincount(at, part, minlength=STEPS)
                 torque += np.bincount(at, tangential * r[piece], minlength=STEPS)
+                area += np.bincount(at, h * b, minlength=STEPS)
+                edge += np.bincount(at, b, minlength=STEPS)
                 if beam is not None:
                     arm = beam.length - middle[piece]
                     lines = beam.lines(middle)[:, piece]
@@ -173,7 +182,7 @@ class _Edge:
                         moment[:, column] += np.bincount(at, parts[column] * arm, minlength=STEPS)
                         for w in range(len(lines)):
                             bent[:, w, column] += np.bincount(at, parts[column] * lines[w], minlength=STEPS)
-        return _Turned(force, torque, moment, bent)
+        return _Turned(force, torque, moment, area, edge, bent)
 
     def _chip(
         self, height: Floats, phi: Floats, sine: Floats, tooth: int, pitch: Floats, offset: Floats, cutting: Cutting

@@ -11,7 +11,6 @@ from toolpace.kernels.cutting.forces import (
     ARM,
     AXIS,
     FEED,
-    NORMAL,
     STRAIGHT,
     TIP,
     TURN,
@@ -30,29 +29,57 @@ from toolpace.kernels.jit import jit
 RESULTANT, MOMENT, DEFLECTION, THICKNESS, PEAKS = 6, 7, 8, 9, 10
 """Columns of the peaks that are no channel: largest resultant, bending moment at the holder, deflection of the tip, and
 thickness of the chip; and how many columns there are."""
+BELIEVED = 0.75
+"""Share of what two straight lines add to a peak between two angles: beside a rounded peak they meet above it."""
 SURFACE = math.radians(4.0)
 """How near the end of an arc must be to where the chip is nothing for the edge to leave a surface there [rad]."""
+
+
+@jit()
+def summit(values: Floats, k: int) -> float:
+    """The largest of values (n,) around a turn, whose largest is value k, between the angles too.
+
+    Where an arc begins or ends, force has a kink, mostly between two angles. Straight lines from both sides meet there,
+    by the lesser slope of the last two steps each.
+    """
+    n = len(values)
+    best = values[k]
+    for left in range(k - 1, k + 1):
+        rise = min(values[left % n] - values[(left - 1) % n], values[(left - 1) % n] - values[(left - 2) % n])
+        right = (left + 1) % n
+        fall = min(values[right] - values[(left + 2) % n], values[(left + 2) % n] - values[(left + 3) % n])
+        if rise > 0.0 and fall > 0.0:
+            share = (values[right] + fall - values[left % n]) / (rise + fall)
+            if 0.0 < share < 1.0:
+                best = max(best, values[k] + BELIEVED * (values[left % n] + rise * share - values[k]))
+    return best
 
 
 @jit()
 def peaks_of(peak: Floats, sums: Floats) -> None:
     """The largest of each over a turn (PEAKS,), with its sign where it may have one."""
     peak[:] = 0.0
-    bends = sums.shape[1] > WEIGHTED
-    for k in range(len(sums)):
-        row = sums[k]
-        for channel in range(WEIGHTED):
-            if abs(row[channel]) > abs(peak[channel]):
-                peak[channel] = row[channel]
-        across = row[FEED] * row[FEED] + row[NORMAL] * row[NORMAL]
-        peak[RESULTANT] = max(peak[RESULTANT], across + row[AXIS] * row[AXIS])
-        if bends:
-            at = WEIGHTED + 2 * ARM
-            peak[MOMENT] = max(peak[MOMENT], row[at] * row[at] + row[at + 1] * row[at + 1])
-            at = WEIGHTED + 2 * TIP
-            peak[DEFLECTION] = max(peak[DEFLECTION], row[at] * row[at] + row[at + 1] * row[at + 1])
-    for column in range(RESULTANT, DEFLECTION + 1):
-        peak[column] = math.sqrt(peak[column])
+    values = np.empty(len(sums))
+    for channel in range(WEIGHTED):
+        highest = 0
+        for k in range(1, len(sums)):
+            if abs(sums[k, channel]) > abs(sums[highest, channel]):
+                highest = k
+        sign = 1.0 if sums[highest, channel] >= 0.0 else -1.0
+        for k in range(len(sums)):
+            values[k] = sign * sums[k, channel]
+        peak[channel] = sign * summit(values, highest)
+    for column in range(RESULTANT, DEFLECTION + 1 if sums.shape[1] > WEIGHTED else RESULTANT + 1):
+        at = FEED if column == RESULTANT else WEIGHTED + 2 * (ARM if column == MOMENT else TIP)
+        highest = 0
+        for k in range(len(sums)):
+            square = sums[k, at] * sums[k, at] + sums[k, at + 1] * sums[k, at + 1]
+            if column == RESULTANT:
+                square += sums[k, AXIS] * sums[k, AXIS]
+            values[k] = math.sqrt(square)
+            if values[k] > values[highest]:
+                highest = k
+        peak[column] = summit(values, highest)
 
 
 @jit()

@@ -15,6 +15,7 @@ from toolpace.cutting.feeds.feed_plan import FeedPlan
 from toolpace.cutting.feeds.largest_loads import removal_rate
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.schedule import Places
+from toolpace.cutting.forces.tool_beam import bends
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
 from toolpace.programs.tool_figures import ToolFigures
@@ -91,7 +92,7 @@ def loads_at(
         kinds: Mapping[str, Floats] = {"chip": loads.chip}
         if material is not None:
             kinds = {**kinds, "force": loads.resultant}
-            if tool is not None and tool.material:
+            if tool is not None and bends(tool):
                 kinds = {**kinds, "deflection": np.nan_to_num(loads.deflection)}
         for panel, values in kinds.items():
             found[panel] = np.maximum(found.get(panel, np.zeros(len(feed))), np.where(at, values, 0.0))

@@ -13,6 +13,7 @@ from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.forces.engaged import CutLoads, EngagedForces
+from toolpace.cutting.forces.tool_beam import bends
 from toolpace.cutting.simulation.operation_cut import CutStretch
 from toolpace.cutting.simulation.simulate import CutSimulation
 from toolpace.machine.cutting_tool import Coefficients
@@ -27,9 +28,6 @@ SHORTEST, MOST = 0.02, 6000
 """Least length of an interval [s], and most intervals."""
 ANY = Coefficients(1e9, 1e9)
 """Where no force is shown: the chip does not depend on the material."""
-
-UNKNOWN_MODULUS = 6e11
-"""Of a tool whose material is not known [Pa]."""
 
 
 Role = Literal["", "before", "after", "limit"]
@@ -100,7 +98,7 @@ def cut_tracks(
             found = {"chip": values.chip}
             if material is not None:
                 found["force"] = values.resultant
-            if material is not None and tool is not None and tool.material:
+            if material is not None and tool is not None and bends(tool):
                 found["deflection"] = np.nan_to_num(values.deflection)
             loaded |= set(found)
             for name, peak in found.items():
@@ -156,10 +154,8 @@ def forces_of(
         return
     turns = np.abs(toolpath.spindle[stretch.stations.point])
     turns = np.where(np.isfinite(turns) & (turns > 0.0), turns, tool.spindle_speed or math.nan)
-    # of a tool whose material is not known nothing tells how far it bends, and no deflection is shown
-    modulus = None if tool.material else UNKNOWN_MODULUS
     for each in np.unique(turns[np.isfinite(turns)]).tolist():
-        yield EngagedForces(engagement, tool, material or ANY, each, youngs_modulus=modulus), turns == each
+        yield EngagedForces(engagement, tool, material or ANY, each), turns == each
 
 
 class Intervals:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 CUT_LIMITS = "cut_limits.npz"
 """Its name in the folder of a plan."""
+MOST_SLICES = 100_000
 OF_STATIONS = ("tip", "axis", "block", "operation")
 OF_TABLE = ("feed_direction", "across", "along", "slice", "entry", "exit", "bottom")
 
@@ -46,6 +47,8 @@ class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """By tool, "" for all; each in SI by its name."""
     materials: dict[str, dict[str, float]] = {}
     """Coefficients of the force likewise, in Pa and N/m."""
+    teachers: dict[str, list[tuple[float, float, float]]] = {}
+    """By tool: chip [m], area [m2] and edge [m] of each."""
     finishing: bool = False
     """Whether speeds are raised where a surface is made that stays, too."""
     notes: list[str] = []
@@ -71,9 +74,17 @@ def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimit
             tool: {name: float(getattr(limits, name)) for name in limits.names} for tool, limits in rules.limits.items()
         },
         materials={tool: msgspec.to_builtins(each) for tool, each in rules.materials.items()},
+        teachers=_teachers(found),
         finishing=rules.finishing,
         notes=list(found.feeds.notes),
     )
+
+
+def _teachers(found: CutLimitedPlan) -> dict[str, list[tuple[float, float, float]]]:
+    by_tool: dict[str, list[tuple[float, float, float]]] = {}
+    for each in found.feeds.teachers:
+        by_tool.setdefault(each.tool, []).append((each.chip, each.area, each.edge))
+    return by_tool
 
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:
@@ -119,6 +130,7 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
         tools=tools,
         limits=record.limits,
         coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
+        teachers=record.teachers,
         resolution=1e-3 * record.resolution_mm,
     )
 
@@ -142,10 +154,10 @@ def read_cut(folder: Path, record: CutLimitsRecord | None) -> dict[str, Floats |
         data = file.read_bytes()
         if hashlib.sha256(data).hexdigest() != record.sha256:
             raise UsageError(f"{file}: is not the file that the plan was made with (sha256); {cure}")
-        return cut_arrays(data)
+        return checked(cut_arrays(data))
     except OSError as error:
         raise UsageError(f"{file}: cannot read: {reason(error)}") from None
-    except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
+    except (ValueError, TypeError, KeyError, zipfile.BadZipFile, EOFError):
         raise UsageError(f"{file}: is damaged; {cure}") from None
 
 
@@ -153,6 +165,24 @@ def cut_arrays(data: bytes) -> dict[str, Floats | Ints]:
     """The arrays in the bytes of cut_limits.npz."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return {name: arrays[name] for name in arrays.files}
+
+
+def checked(arrays: dict[str, Floats | Ints]) -> dict[str, Floats | Ints]:
+    """The same. Raises ValueError where one is missing, has another length, or is of no numbers."""
+    count, arcs = len(arrays["station time"]), int(arrays["engagement arcs"].sum())
+    of_arcs = {f"engagement {name}" for name in ("slice", "entry", "exit")}
+    names = [f"station {name}" for name in (*OF_STATIONS, "time", "most")]
+    names += [f"engagement {name}" for name in (*OF_TABLE, "slice_height", "arcs")]
+    for name in names:
+        found = arrays[name]
+        wide = (3,) if name in ("station tip", "station axis", "engagement feed_direction") else ()
+        if found.shape != ((arcs if name in of_arcs else count), *wide) or not np.isfinite(found).all():
+            raise ValueError(name)
+    if arcs and not 0 <= arrays["engagement slice"].min() <= arrays["engagement slice"].max() < MOST_SLICES:
+        raise ValueError("slice")
+    if not (arrays["engagement slice_height"] > 0.0).all() or (arrays["engagement arcs"] < 0).any():
+        raise ValueError("arcs")
+    return arrays
 
 
 def profile_of(arrays: dict[str, Floats | Ints]) -> SpeedProfile | None:

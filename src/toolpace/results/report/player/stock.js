@@ -19,47 +19,50 @@ class Stock {
 
   // Corners (mm), triangles of them, and of each corner how much of what is about it was cut.
   surface(stage) {
-    const { edge, first, end, leaves, strides, vertex } = this, quads = [], cubes = [], number = [], sums = [], low = [], high = [], cut = [];
+    const { edge, first, end, leaves, place, shares, strides, vertex } = this, [sx, sy] = strides;
+    let alive = 0;
+    for (let i = 0; i < edge.length; i++) if (first[i] <= stage && stage < end[i]) alive++;
+    const triangles = new Uint32Array(6 * alive), cubes = new Int32Array(4 * alive), number = new Uint8Array(4 * alive), fresh = new Uint8Array(4 * alive);
+    const sums = new Float32Array(12 * alive), low = new Float32Array(this.square ? 12 * alive : 0).fill(Infinity), high = new Float32Array(low.length).fill(-Infinity);
+    const where = [0, 0, 0], four = [0, 0, 0, 0];
+    let count = 0, at = 0;
     for (let i = 0, axis = 0; i < edge.length; i++) {
       while (i >= this.axisEnds[axis]) axis++;
       if (first[i] > stage || end[i] <= stage) continue;
-      const u = strides[(axis + 1) % 3], v = strides[(axis + 2) % 3], at = edge[i];
+      const u = strides[(axis + 1) % 3], v = strides[(axis + 2) % 3], point = edge[i];
+      where[0] = Math.floor(point / sx);
+      where[1] = Math.floor((point - where[0] * sx) / sy);
+      where[2] = point - where[0] * sx - where[1] * sy;
+      where[axis] += place[i] / shares;
       // the four cubes about an edge, counterclockwise about its axis
-      const four = [at, at - u, at - u - v, at - v];
-      const where = this.point(at);
-      where[axis] += this.place[i] / this.shares;
-      for (const cube of four) {
+      for (let c = 0; c < 4; c++) {
+        const cube = point - (c === 1 || c === 2 ? u : 0) - (c > 1 ? v : 0);
         let k = vertex[cube];
-        if (k < 0) {
-          k = vertex[cube] = cubes.length;
-          cubes.push(cube); number.push(0); cut.push(0); sums.push(0, 0, 0);
-          low.push(Infinity, Infinity, Infinity); high.push(-Infinity, -Infinity, -Infinity);
-        }
+        if (k < 0) { k = vertex[cube] = count++; cubes[k] = cube; }
+        four[c] = k;
         number[k]++;
-        if (first[i] > 0) cut[k]++;
+        if (first[i] > 0) fresh[k]++;
         for (let d = 0; d < 3; d++) sums[3 * k + d] += where[d];
-        low[3 * k + axis] = Math.min(low[3 * k + axis], where[axis]);
-        high[3 * k + axis] = Math.max(high[3 * k + axis], where[axis]);
+        if (!this.square) continue;
+        if (where[axis] < low[3 * k + axis]) low[3 * k + axis] = where[axis];
+        if (where[axis] > high[3 * k + axis]) high[3 * k + axis] = where[axis];
       }
-      const [a, b, c, d] = four.map((cube) => vertex[cube]);
-      if (leaves[i]) quads.push(a, b, c, a, c, d); else quads.push(d, c, b, d, b, a);
+      const [a, b, c, d] = leaves[i] ? four : [four[3], four[2], four[1], four[0]];
+      triangles[at++] = a; triangles[at++] = b; triangles[at++] = c;
+      triangles[at++] = a; triangles[at++] = c; triangles[at++] = d;
     }
-    const corners = new Float32Array(3 * cubes.length);
-    for (let k = 0; k < cubes.length; k++) {
-      let flat = this.square && !cut[k];
-      for (let d = 0; d < 3; d++) if (high[3 * k + d] - low[3 * k + d] > FLAT / this.shares) flat = false;
+    const corners = new Float32Array(3 * count), cut = new Float32Array(count);
+    for (let k = 0; k < count; k++) {
+      // at an edge of faces along the lattice both are met
+      let flat = this.square && !fresh[k];
+      for (let d = 0; flat && d < 3; d++) flat = !(high[3 * k + d] - low[3 * k + d] > FLAT / shares);
       for (let d = 0; d < 3; d++) {
         const own = flat && high[3 * k + d] >= low[3 * k + d];
-        const value = own ? 0.5 * (low[3 * k + d] + high[3 * k + d]) : sums[3 * k + d] / number[k];
-        corners[3 * k + d] = this.origin[d] + this.step[d] * value;
+        corners[3 * k + d] = this.origin[d] + this.step[d] * (own ? 0.5 * (low[3 * k + d] + high[3 * k + d]) : sums[3 * k + d] / number[k]);
       }
+      cut[k] = fresh[k] / number[k];
       vertex[cubes[k]] = -1;
     }
-    return { corners, triangles: Uint32Array.from(quads), cut: Float32Array.from(cut, (v, k) => v / number[k]) };
-  }
-
-  point(at) {
-    const [sx, sy] = this.strides, x = Math.floor(at / sx), y = Math.floor((at - x * sx) / sy);
-    return [x, y, at - x * sx - y * sy];
+    return { corners, triangles, cut };
   }
 }

@@ -1,0 +1,131 @@
+"""Feeds of random programs in a stock that ends elsewhere than told, by a simulation that shares no code.
+
+Nowhere may the tool be loaded more than the program itself loads it at most, whatever the material.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import toolpace as tp
+from tests.support.feed_programs import SHEET
+from tests.support.height_field import HeightField, forces_along
+from tests.support.program_with_feeds import with_feeds
+from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.limits import CutLimits
+from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.feeds.schedule import Steps
+from toolpace.programs.reading.setup_file import setup_of_text
+
+LOW, HIGH = np.array([0.0, -20.0, -20.0]), np.array([60.0, 20.0, 0.0])
+"""The stock of the sheet [mm]."""
+RADIUS, TEETH, TURNS = 5.0, 3, 100.0
+GRID = 0.03
+"""Share by which a force may be above by the grid: its angles and cells."""
+FINE = 0.5
+"""Size of a cell of the stock [mm]: bodies that are narrower may stand between its rays."""
+USUAL = 0.0201
+"""Feed up to which a way is one of the cut [m/s]: links are faster."""
+SCENES = ("anywhere", "larger", "smaller", "sliver", "in air")
+SHARES = (0.0, 0.02, 0.2, 100.0)
+"""Edge coefficients over cutting coefficients [mm]: from none to nothing else."""
+
+
+def random_program(rng, scene):
+    """Level ways in, through and beside the stock at their depths, with links at a high feed."""
+    lines = ["G21 G90 G54 G17", "T1 M6", "G43 H1", "S6000 M3", "G0 X-12 Y0 Z20"]
+    depth = 0.0
+    for _ in range(int(rng.integers(2, 5))):
+        depth -= float(rng.uniform(1.0, 4.0))
+        begin = rng.uniform([-10.0, -28.0], [-7.0, 28.0])
+        lines += [f"G0 X{begin[0]:.3f} Y{begin[1]:.3f}", f"G0 Z{depth:.3f}"]
+        for _ in range(int(rng.integers(1, 4))):
+            to = rng.uniform([-8.0, -28.0], [68.0, 28.0])
+            lines.append(f"G1 X{to[0]:.3f} Y{to[1]:.3f} F{rng.integers(3, 12) * 100}")
+        if scene == "sliver":
+            # along a face, a little within it, or where a smaller stock has nothing
+            y = 20.0 + RADIUS - float(rng.uniform(-0.2, 0.4))
+            lines += ["G0 Z20", f"G0 X-9 Y{y:.3f}", f"G0 Z{depth:.3f}", f"G1 X69 F{rng.integers(40, 100) * 100}"]
+        if scene == "in air":
+            # deep in a corner that the smaller stock does not have
+            lines += ["G0 Z20", "G0 X-9 Y-24.5", f"G0 Z{depth - 6.0:.3f}", f"G1 X-4.6 Y-24.2 F{rng.integers(20, 40)}00"]
+        lines.append("G0 Z20")
+    return "\n".join([*lines, "M30", ""])
+
+
+def true_stock(rng, scene, off):
+    """A box whose faces are within `off` of where they are told [mm]."""
+    faces = {
+        "larger": np.full((2, 3), off), "smaller": np.full((2, 3), -off), "in air": np.full((2, 3), -off)
+    }.get(scene, rng.uniform(-off, off, (2, 3)))  # fmt: skip
+    return HeightField(LOW - faces[0], HIGH + faces[1], 20.0)
+
+
+def worst_of(toolpath, lines, stock, edge_share, cell):
+    """Largest force on some lines of a program at its feeds."""
+    at_feed = ~toolpath.rapid & np.isin(toolpath.block, lines)
+    feeds = np.where(at_feed, toolpath.most_speed, 0.0)[1:] * 1e3
+    forces = forces_along(stock, toolpath.tip * 1e3, feeds, RADIUS, TEETH, TURNS, edge_share, cell)
+    return float(forces[at_feed[1:]].max(initial=0.0))
+
+
+def check(seed, scene, way, shares=SHARES, cell=FINE):
+    """The time saved, after the loads were compared."""
+    rng = np.random.default_rng(seed)
+    off = float(rng.uniform(0.2, 1.0))
+    sheet = SHEET.replace("uncertainty = 0.5", f"uncertainty = {off}")
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(sheet)
+    toolpath = tp.read_text(random_program(rng, scene), machine, setup=setup)
+    plan = tp.plan_program(toolpath, machine, effort="low")
+    simulation = tp.simulate_cut(plan.trajectory, toolpath, setup, resolution=1e-3 * cell)
+    rules = FeedRules(way, air_feed=0.2, finishing=True, steps=Steps(ratio=1.05))
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    feeds = plan_feeds(simulation, toolpath, tools, rules)
+    new = with_feeds(toolpath, machine, list(feeds.places), list(feeds.feeds))
+    # what a fast link does is no measure of what the tool bears
+    usual = np.unique(toolpath.block[toolpath.most_speed <= USUAL])
+    state = rng.bit_generator.state
+
+    def stock():
+        rng.bit_generator.state = state
+        return true_stock(rng, scene, off)
+
+    for share in shares:
+        own, now = (worst_of(each, usual, stock(), share, cell) for each in (toolpath, new))
+        assert now <= own * (1.0 + GRID), f"seed {seed}: {now / own:.3f} of the largest force at Ke / Kc = {share} mm"
+    before, after = (sum(getattr(each, name) for each in feeds.operations) for name in ("before", "after"))
+    return 1.0 - after / before
+
+
+@pytest.mark.parametrize("seed, scene", [(2, "smaller"), (3, "in air"), (0, "larger"), (3, "sliver")])
+def test_no_place_is_loaded_more_than_the_program_loads_the_tool(seed, scene):
+    assert check(seed, scene, "learned", SHARES[1:2], 1.0) > 0.01
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("seed", range(100, 300))
+def test_no_place_is_loaded_more_in_many_programs(seed, scene):
+    check(seed, scene, "learned")
+
+
+@pytest.mark.parametrize("way", ["air", "learned", "limits"])
+def test_on_a_guessed_stock_no_feed_changes(way):
+    machine = tp.Machine.load("xyzac-trunnion")
+    setup = setup_of_text(SHEET[SHEET.index("[tools") :])
+    toolpath = tp.read_text(random_program(np.random.default_rng(7), "sliver"), machine, setup=setup)
+    simulation = tp.simulate_cut(
+        tp.plan_program(toolpath, machine, effort="low").trajectory, toolpath, setup, resolution=2e-3
+    )
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    plan = plan_feeds(simulation, toolpath, tools, FeedRules(way, limits={"": CutLimits(chip=1e-5)}, air_feed=0.2))
+    stretches = [each for each in simulation.stretches if not each.rapid]
+    for stretch, feeds in zip(stretches, plan.feeds, strict=True):
+        assert (feeds[1:] == toolpath.most_speed[stretch.stations.point[1:]]).all()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(100, 300))
+def test_air_loads_nothing_more_in_many_programs(seed):
+    check(seed, SCENES[seed % len(SCENES)], "air")
