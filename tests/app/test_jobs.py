@@ -245,6 +245,7 @@ def test_feeds_by_the_cut_are_planned_and_loaded(tmp_path):
         assert "F3000" in text and "F600" in text and text.count("\n") > way.count("\n")
         page = app.ask("GET", f"/feeds/{air['id']}")
         assert page.status == 200 and page.headers["content-security-policy"].startswith("sandbox")
+        assert "face.ngc" in page.text and str(tmp_path) not in page.text
         assert "toolpace feeds face.ngc" in air["command"] and "--air-feed 3000mm/min" in air["command"]
         assert app.ask("GET", f"/feeds/{usual['id']}").status == 404
 

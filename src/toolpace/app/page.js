@@ -277,7 +277,7 @@ function planPanel(part) {
     typed("axis_tolerance", "tolerance of the tool axis", { placeholder: "0.05deg, or less as it asks" }),
     select("feeds", "feeds", FEEDS, values.feeds, set("feeds")),
     values.feeds === "own" ? typed("own", "feed (3000mm/min) or factor (120%)") : "",
-    CUT.includes(values.feeds) ? typed("air_feed", "feed in air", { placeholder: "the highest of the program" }) : "",
+    CUT.includes(values.feeds) ? typed("air_feed", "feed in air", { placeholder: "as the slowest axis" }) : "",
     select("effort", "effort", EFFORTS, values.effort, set("effort")),
     typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" })),
   h("button", { type: "submit", class: "plain main", "data-focus": "start" }, "Start"));

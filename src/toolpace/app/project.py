@@ -92,7 +92,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     feeds: str = "program"
     """program: as they are; air, learned: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
     air_feed: str = ""
-    """In air, where feeds are by the cut; empty: the highest of the program."""
+    """In air, where feeds are by the cut; empty: what the slowest linear axis allows."""
     effort: str = "normal"
     tool_length: str = ""
 

@@ -255,7 +255,8 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
     written = folder / part.program
     with whole_file(written) as temporary:
         temporary.write_bytes(found.written.data)
-    write_text(folder / FEEDS_PAGE, feeds_page(found, prepared.machine.name))
+    cut = dataclasses.replace(found.cut, program=part.program)
+    write_text(folder / FEEDS_PAGE, feeds_page(dataclasses.replace(found, cut=cut), prepared.machine.name))
     gained = f"{format_time(found.before.total)} before, {format_time(found.after.total)} after"
     return written, [f"{found.written.changed} blocks have another feed; on the control {gained}", *found.plan.notes]
 
