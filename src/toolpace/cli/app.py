@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cyclopts import App
+from cyclopts import App, Group
 
 from toolpace.cli import options
 from toolpace.cli.commands import app as app_page
@@ -44,6 +44,11 @@ Exit codes: 0 success; 1 a verification failed; 2 the input is wrong: one line
 says what, where, and how to cure it.
 """
 
+START, PLAN, CUT, CONTROL, OPTIONS = (
+    Group(name, sort_key=number)
+    for number, name in enumerate(("Begin", "Plan and compare", "What the tool cuts", "The control", "Options"))
+)
+
 app = App(
     name="toolpace",
     version=__version__,
@@ -54,8 +59,11 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 
+for flag in ("--help", "--version"):
+    app[flag].group = (OPTIONS,)
 
-@app.command(name="plan", help_epilogue="")
+
+@app.command(name="plan", group=PLAN, help_epilogue="")
 def plan_command(
     program: options.Program,
     /,
@@ -131,11 +139,11 @@ def plan_command(
     return job.exit_code(record, verification)
 
 
-app.command(batch.batch_command, name="batch", help_epilogue="")
-app.command(app_page.app_command, name="app", help_epilogue="")
+app.command(batch.batch_command, name="batch", group=PLAN, help_epilogue="")
+app.command(app_page.app_command, name="app", group=START, help_epilogue="")
 
 
-@app.command(name="verify", help_epilogue="")
+@app.command(name="verify", group=PLAN, help_epilogue="")
 def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading = options.AS_WRITTEN) -> int:
     """Verify a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
 
@@ -158,19 +166,19 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
     return 0 if verification.ok else 1
 
 
-app.command(compare.compare_command, name="compare", help_epilogue="")
+app.command(compare.compare_command, name="compare", group=PLAN, help_epilogue="")
 
 
-app.command(export.export_command, name="export", help_epilogue="")
+app.command(export.export_command, name="export", group=CONTROL, help_epilogue="")
 
 
-app.command(picture.picture_command, name="picture", help_epilogue="")
+app.command(picture.picture_command, name="picture", group=PLAN, help_epilogue="")
 
 
-app.command(follow.follow_command, name="follow", help_epilogue="")
+app.command(follow.follow_command, name="follow", group=CONTROL, help_epilogue="")
 
 
-@app.command(name="inspect", help_epilogue="")
+@app.command(name="inspect", group=START, help_epilogue="")
 def inspect_command(
     programs: options.Programs,
     /,
@@ -199,7 +207,7 @@ def inspect_command(
     return inspect.run_inspect(programs, machine, dialect, feed, json, write_setup, reading)
 
 
-@app.command(name="time", help_epilogue="")
+@app.command(name="time", group=CONTROL, help_epilogue="")
 def time_command(
     programs: options.Programs,
     /,
@@ -256,17 +264,17 @@ def time_command(
     return time.run_time(programs, request, json)
 
 
-app.command(cut.cut_command, name="cut", help_epilogue="")
-app.command(feeds.feeds_command, name="feeds", help_epilogue="")
+app.command(cut.cut_command, name="cut", group=CUT, help_epilogue="")
+app.command(feeds.feeds_command, name="feeds", group=CUT, help_epilogue="")
 
 
-app.command(tolerance.tolerance_command, name="tolerance", help_epilogue="")
+app.command(tolerance.tolerance_command, name="tolerance", group=PLAN, help_epilogue="")
 
 
-app.command(setup.setup_command, name="setup", help_epilogue="")
+app.command(setup.setup_command, name="setup", group=PLAN, help_epilogue="")
 
 
-@app.command(name="controllers", help_epilogue="")
+@app.command(name="controllers", group=START, help_epilogue="")
 def controllers_command(name: options.OneController = None, /, *, toml: options.ControllerToml = False) -> int:
     """List the controllers whose programs are read.
 
@@ -291,10 +299,10 @@ def controllers_command(name: options.OneController = None, /, *, toml: options.
     return 0
 
 
-app.command(machines.machines_command, name="machines", help_epilogue="")
+app.command(machines.machines_command, name="machines", group=START, help_epilogue="")
 
 
-@app.command(name="demo", help_epilogue="")
+@app.command(name="demo", group=START, help_epilogue="")
 def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     """Plan an impeller of seven blades on a built-in machine, and name the report to open.
 
@@ -323,7 +331,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     return job.exit_code(record, verification)
 
 
-@app.command(name="study", help_epilogue="")
+@app.command(name="study", group=PLAN, help_epilogue="")
 def study_command(*, out: options.Results = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
     from toolpace import study
