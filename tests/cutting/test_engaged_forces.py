@@ -276,8 +276,9 @@ def test_nothing_in_material_or_at_rest_takes_nothing():
     assert still.resultant[0] == 0.0 and still.power[0] == 0.0
 
 
-def test_without_a_stick_out_there_is_no_deflection():
-    found = loads(shoulder(3e-3, 0.0, 2.0), replace(FLAT, stick_out=None))
+@pytest.mark.parametrize("missing", [{"stick_out": None}, {"material": ""}])
+def test_without_a_stick_out_or_a_material_there_is_no_deflection(missing):
+    found = loads(shoulder(3e-3, 0.0, 2.0), replace(FLAT, **missing))
     assert np.isnan(found.deflection).all() and np.isnan(found.surface).all() and found.resultant[0] > 0.0
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.errors import UnitWarning
 from toolpace.jobs import TimedSteps, job
+from toolpace.jobs.motion_cut import cut_motion
 
 if TYPE_CHECKING:
     from toolpace.cutting.simulation.simulate import CutSimulation
@@ -107,8 +108,9 @@ def cut_program(
     with warnings.catch_warnings():
         # what the place of the stock asks has been asked before the plan
         warnings.simplefilter("ignore", UnitWarning)
-        simulation = job.cut_motion(
-            task, steps, planned.trajectory, toolpath, request.resolution, request.memory, 0.0, left, after_operation
-        )
+        simulation = cut_motion(
+            request.options.setup, steps, planned.trajectory, toolpath, request.resolution, request.memory, 0.0, left,
+            after_operation,
+        )  # fmt: skip
     text = task.source.data if task.source is not None else b""
     return ProgramCut(program, toolpath, planned.trajectory, simulation, request.options.setup, text)

@@ -13,24 +13,20 @@ carry out a job:
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
-from toolpace.cutting.simulation import MEMORY
-from toolpace.jobs import TimedSteps
+from toolpace.jobs import TimedSteps, motion_cut
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.reading.options import ReadOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Sequence
 
     from toolpace.cutting.compensated_program import BendingCompensation
-    from toolpace.cutting.simulation.simulate import CutSimulation
-    from toolpace.cutting.simulation.stock_range import Stock, StockRange
     from toolpace.jobs.cut_options import CutOptions
     from toolpace.judge import MotionJudge, Verification
     from toolpace.machine.cutting_tool import CuttingTool
@@ -48,8 +44,6 @@ NOTES = 3
 """Notes of a plan on what is left above its bound that are shown: each is of one run."""
 TIP_TOLERANCES, AXIS_TOLERANCES = (1e-8, 0.1), (1e-6, 0.8)
 """Between which tolerances lie [m], [rad]: programs are rounded to more, and beyond nothing of a part is left."""
-CELL_FOR_TIMES = 0.2e-3
-"""Finest cell of a stock that is cut for the time in air and in material [m]: 10 ms at 1200 mm/min."""
 TIME_STEPS = (1e-9, 60.0)
 """Between which the time between set-points lies [s]."""
 
@@ -116,7 +110,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
         trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
         prices = priced(job, steps, trajectory)
-        cut = cut_of_known_stock(job, steps, trajectory, toolpath)
+        cut = motion_cut.cut_of_known_stock(job.options.setup, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
         refuse_without_room(job, trajectory.duration, "the motion takes")
         sampled = sample_motion(job, steps, trajectory, toolpath)
@@ -291,7 +285,7 @@ def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
         )
     stiff = replace(job, tool=None, effort="low")
     trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
-    simulation = cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
+    simulation = motion_cut.cut_motion(setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES)
     tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
     with steps.step("forces"):
         tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
@@ -339,53 +333,6 @@ def priced(job: Job, steps: TimedSteps, trajectory: Trajectory) -> dict[str, flo
         prices = trajectory.prices()
         step.note = f"{len(prices)} limits"
     return prices
-
-
-def cut_motion(
-    job: Job,
-    steps: TimedSteps,
-    trajectory: Trajectory,
-    toolpath: ToolPath,
-    resolution: float | None = None,
-    memory: float = MEMORY,
-    finest: float = 0.0,
-    stock: StockRange | None = None,
-    after_operation: Callable[[int, Stock], None] = lambda operation, stock: None,
-) -> CutSimulation:
-    """What a motion cuts of the stock on the set-up sheet, or of the `stock` that another program left. Raises
-    UsageError as `simulate_cut`."""
-    from toolpace.cutting.simulation import simulate_cut
-
-    with steps.step("cutting") as step:
-        simulation = simulate_cut(
-            trajectory, toolpath, job.options.setup, resolution=resolution, memory=memory, finest=finest, stock=stock,
-            after_operation=after_operation, progress=step,
-        )  # fmt: skip
-        places = sum(len(each.stations) for each in simulation.stretches)
-        step.note = f"{places} stations, cells of {simulation.resolution * 1e3:.3g} mm"
-    return simulation
-
-
-def cut_of_known_stock(
-    job: Job, steps: TimedSteps, trajectory: Trajectory, toolpath: ToolPath
-) -> CutSimulation | None:
-    """What a motion cuts, where the set-up sheet names a stock; None where it does not."""
-    if job.options.setup.workpiece.stock is None:
-        return None
-    with without_cut(steps):
-        return cut_motion(job, steps, trajectory, toolpath, finest=CELL_FOR_TIMES)
-    return None
-
-
-@contextmanager
-def without_cut(steps: TimedSteps) -> Iterator[None]:
-    """Go on where a set-up sheet tells too little for a cut, and say what: a time does not need it."""
-    from toolpace.common.errors import UsageError
-
-    try:
-        yield
-    except UsageError as error:
-        steps.say(f"air and material are not told apart: {error}")
 
 
 def say_tool_changes(job: Job, steps: TimedSteps, toolpath: ToolPath) -> None:

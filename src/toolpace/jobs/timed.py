@@ -11,7 +11,7 @@ import msgspec
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.jobs import TimedSteps, job
+from toolpace.jobs import TimedSteps, job, motion_cut
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.figures import ControlFigures
@@ -143,9 +143,11 @@ def timed(
     cut: CutSimulation | None = None
     if options.setup.workpiece.stock is not None and not waits_only:
         toolpath = toolpath if toolpath is not None else job.read_program(task, steps)
-        with job.without_cut(steps):
+        with motion_cut.without_cut(steps):
             if figures.model == "ideal":
-                cut = job.cut_motion(task, steps, trajectory, toolpath, finest=job.CELL_FOR_TIMES, stock=stock)
+                cut = motion_cut.cut_motion(
+                    task.options.setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES, stock=stock
+                )
             else:
                 cut = cut_on_control(task, steps, toolpath, times_of_points(toolpath, moves, time.times), stock)
     changes = time.sum("tool_change")
@@ -218,7 +220,8 @@ def cut_on_control(
 
     with steps.step("cutting") as step:
         return simulate_cut_at_times(
-            toolpath, times, task.machine, task.options.setup, finest=job.CELL_FOR_TIMES, stock=stock, progress=step
+            toolpath, times, task.machine, task.options.setup, finest=motion_cut.CELL_FOR_TIMES, stock=stock,
+            progress=step,
         )
 
 

@@ -78,22 +78,14 @@ class ToolBeam:
 
 def bends(tool: ToolFigures) -> bool:
     """Whether the figures of a tool tell how far it bends: its stick-out and its material do."""
-    return tool.stick_out is not None and known_modulus(tool.material) is not None
+    return tool.stick_out is not None and bool(tool.material.strip())
 
 
-def known_modulus(material: str) -> float | None:
-    """Young's modulus of a tool's material [Pa]; None of one that is not known."""
+def modulus_of(material: str) -> float:
+    """Young's modulus of a tool's material [Pa]. Raises UsageError for one that is not known."""
     word = material.strip().lower()
     for name, modulus in YOUNGS_MODULUS.items():
         if name in word or (name == "carbide" and word in ("vhm", "hm", "solid carbide")):
             return modulus
-    return None
-
-
-def modulus_of(material: str) -> float:
-    """The same. Raises UsageError for a material that is not known."""
-    modulus, word = known_modulus(material), material.strip().lower()
-    if modulus is not None:
-        return modulus
     hint = did_you_mean(word[:40], list(YOUNGS_MODULUS)) if word else f"one of {', '.join(YOUNGS_MODULUS)}"
     raise UsageError(f"bending of a tool: its material '{material[:40]}' has no Young's modulus; {hint}")
