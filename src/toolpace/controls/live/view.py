@@ -48,6 +48,11 @@ class LiveView:
     where the server or a browser is slow, or gone, rows are dropped (`dropped` counts them), and the follower goes on.
     """
 
+    address: str
+    dropped: int
+    _process: subprocess.Popen[bytes]
+    _pipe: int | None
+
     def __init__(self, follower: Follower, title: str) -> None:
         """Start the server. Raises UsageError where it does not start, and on Windows."""
         if sys.platform == "win32":
@@ -80,7 +85,7 @@ class LiveView:
             self.close()
             raise UsageError("--watch: the server of the page did not start; is the loopback (127.0.0.1) there?")
         self.address = f"http://{LOOPBACK}:{int(port)}/{token}/"
-        self._pipe: int | None = self._process.stdin.fileno()
+        self._pipe = self._process.stdin.fileno()
         os.set_blocking(self._pipe, False)
 
     def show(self, point: SetPoint, deflection: Floats | None = None) -> None:
