@@ -67,8 +67,9 @@ def test_time_goes_from_start_to_end_without_a_gap(planned, parts):
         assert (np.diff(behind.time) >= 0.0).all()
 
 
-def test_a_dwell_is_no_time_of_a_way():
-    toolpath = tp.read_text("G90 G21 G94\nG1 X0 F1000\nX5\nG4 P2\nX10\nM30\n", MACHINE)
+@pytest.mark.parametrize("pose", ["", " Y3.7 Z2.1 A13.7 C37.1"])
+def test_a_dwell_is_no_time_of_a_way(pose):
+    toolpath = tp.read_text(f"G90 G21 G94\nG1 X0{pose} F1000\nX5.3\nG4 P2\nX10\nM30\n", MACHINE)
     motion = tp.plan(tp.Path.fit(toolpath, machine=MACHINE), MACHINE, bound=False)
     (part,) = motion_stations(motion, toolpath, 0.5e-3, [0.0])
     assert part.time[-1] - part.time[0] == pytest.approx(motion.duration)

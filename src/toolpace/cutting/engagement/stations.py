@@ -21,6 +21,8 @@ DENSE = 0.25
 QUARTERS = 4
 """Parts in which a way is looked at first where its parameter grows by more than the spacing: both ends of a whole turn
 are one place."""
+STANDS = 1e-9
+"""A way of tip [m] and axis below which the tool waits: at both ends of a dwell the pose is worked out anew."""
 SPLITS = 8
 """How often ways are split where the tool moves farther than it should: a smooth curve needs two or three."""
 MOST = 20_000_000
@@ -60,8 +62,8 @@ class Stations:
     @property
     def moving_time(self) -> Floats:
         """(n,) time of the way to each station [s]; 0 to the first, and where the tool waits."""
-        moves = (np.diff(self.tip, axis=0, prepend=self.tip[:1]) != 0.0).any(axis=1)
-        moves |= (np.diff(self.axis, axis=0, prepend=self.axis[:1]) != 0.0).any(axis=1)
+        ways = (np.diff(each, axis=0, prepend=each[:1]) for each in (self.tip, self.axis))
+        moves = np.any([np.abs(way).max(axis=1) > STANDS for way in ways], axis=0)
         return np.where(moves, np.diff(self.time, prepend=self.time[:1]), 0.0)
 
     def where(self, kept: Bools) -> Stations:
