@@ -61,8 +61,10 @@ def test_motions_with_rows_are_ipopts_optimum(seed):
     assert abs(compared_with_ipopt(seed) - 1.0) < 1e-4
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("seed", range(100, 160))
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(seed, marks=pytest.mark.sweep if seed < 110 else pytest.mark.thorough) for seed in range(100, 160)],
+)
 def test_motions_with_rows_are_ipopts_optimum_on_many(seed):
     assert abs(compared_with_ipopt(seed) - 1.0) < 1e-4
 
