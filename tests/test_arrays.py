@@ -28,7 +28,8 @@ SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
 """Shares of a search, one a name: no array of any shape goes in."""
 BETWEEN_ROOMS = (
     "Trajectory.put_motion", "SetPoints.at", "SetPoints.times", "Stations.where", "ToolProfile.surface",
-    "Rows.ratio", "Rows.shares", "Rows.steady",
+    "Rows.ratio", "Rows.shares", "Rows.steady", "SpeedProfile.at", "SpeedProfile.limit_at", "SpeedProfile.along",
+    "AxisRun.cap_names",
 )  # fmt: skip
 """Planner, sampling, judge and the simulation of a cut call them with arrays that they have made."""
 LIVE = ("Measurement", "Measurement.write")

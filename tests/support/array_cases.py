@@ -119,6 +119,9 @@ CASES: dict[str, Case] = {
     "Limits: velocity": Case(lambda x: tp.Limits(x, 1.0, 1.0), LINES, "velocity", True),
     "Limits: acceleration": Case(lambda x: tp.Limits(1.0, x, 1.0), LINES, "acceleration", True),
     "Limits: jerk": Case(lambda x: tp.Limits(1.0, 1.0, x), LINES, "jerk", True),
+    "SpeedProfile: place": Case(lambda x: tp.SpeedProfile(x, LINES, LINES % 2, ("a", "b")), f32(LINES), "place"),
+    "SpeedProfile: speed": Case(lambda x: tp.SpeedProfile(LINES, x, LINES % 2, ("a", "b")), f32(LINES), "speed", True),
+    "SpeedProfile: limit": Case(lambda x: tp.SpeedProfile(LINES, LINES, x, ("a", "b")), LINES % 2, "limit"),
     "ToolPath: rotary": Case(
         lambda x: line(rotary=x, rotary_joints=("A", "C")), np.zeros((6, 2)), "rotary", optional=True
     ),
