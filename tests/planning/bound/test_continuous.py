@@ -66,9 +66,11 @@ def test_random_paths(seed):
     check(seed, 0.1)
 
 
-@pytest.mark.sweep
-def test_a_hundred_random_paths():
-    gaps = [check(seed, 0.2) for seed in range(100, 200)]
+@pytest.mark.parametrize(
+    "count", [pytest.param(30, marks=pytest.mark.sweep), pytest.param(100, marks=pytest.mark.thorough)]
+)
+def test_many_random_paths(count):
+    gaps = [check(seed, 0.2) for seed in range(100, 100 + count)]
     assert np.median(gaps) < 1e-3
 
 

@@ -28,7 +28,11 @@ SEEDS = 7
 BLOCK, BLOCKS, BLOCKS_OF_SLOW = 30, 4, 1
 """Cases of a family that one test of the sweep takes, and how many such tests there are."""
 SLOW = ("pole", "standing_tip", "caps_that_jump", "standing_joints", "limits_apart")
-SWEEP = [(family, k) for family in FAMILIES for k in range(BLOCKS_OF_SLOW if family in SLOW else BLOCKS)]
+SWEEP = [
+    pytest.param(family, k, marks=pytest.mark.thorough if k or family in SLOW else pytest.mark.sweep)
+    for family in FAMILIES
+    for k in range(BLOCKS_OF_SLOW if family in SLOW else BLOCKS)
+]
 
 
 def check(family, seeds):
@@ -41,7 +45,6 @@ def test_valid_answer_or_justified_refusal(family):
     check(family, range(10, 10 + SEEDS))
 
 
-@pytest.mark.sweep
 @pytest.mark.parametrize(("family", "block"), SWEEP)
 def test_valid_answer_or_justified_refusal_on_thousands(family, block):
     check(family, range(1000 + block * BLOCK, 1000 + (block + 1) * BLOCK))
