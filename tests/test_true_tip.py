@@ -91,8 +91,10 @@ def test_where_a_tool_is_changed_the_joints_stay():
     assert trajectory.tip(points.t[row + 1])[0] == pytest.approx(points.tip[row + 1], abs=1e-12)
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("first", range(0, 40, 10))
+@pytest.mark.parametrize(
+    "first",
+    [pytest.param(first, marks=pytest.mark.thorough if first else pytest.mark.sweep) for first in range(0, 40, 10)],
+)
 def test_random_programs_and_sheets(first):
     cases = [case for case in (Maker(seed).make() for seed in range(first, first + 10)) if case is not None]
     assert len(cases) >= 7

@@ -151,8 +151,10 @@ def test_two_points_are_a_motion(way):
     assert trajectory.usage().worst <= PROMISED and 0.0 < trajectory.lower_bound <= trajectory.duration
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("first", range(0, 60, 15))
+@pytest.mark.parametrize(
+    "first",
+    [pytest.param(first, marks=pytest.mark.thorough if first else pytest.mark.sweep) for first in range(0, 60, 15)],
+)
 def test_random_tool_paths_are_planned_or_refused(first):
     machine = Machine.load(MACHINE)
     answers = 0
