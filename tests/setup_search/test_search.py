@@ -146,7 +146,7 @@ def test_arguments_that_make_no_sense_are_told(machine, arguments, said):
         tp.search_setup("part.ngc", machine)
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 def test_three_seeds_find_the_same_within_one_percent_and_no_grid_finds_better(machine):
     """Turn and tilt: 36 turns at each tilt beside what three searches find."""
     toolpath = curved_pass()

@@ -67,7 +67,7 @@ def test_random_paths(seed):
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(30, marks=pytest.mark.sweep), pytest.param(100, marks=pytest.mark.thorough)]
+    "count", [pytest.param(12, marks=pytest.mark.sweep), pytest.param(100, marks=pytest.mark.thorough)]
 )
 def test_many_random_paths(count):
     gaps = [check(seed, 0.2) for seed in range(100, 100 + count)]
