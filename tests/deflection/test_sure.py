@@ -204,7 +204,7 @@ def test_the_tool_in_the_spindle_is_the_one_that_is_brought_back(cause):
         assert (speed <= 1.0002 * feed + 1e-8).all()
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 def test_a_hundred_replans_at_random_are_found_and_clean():
     """Of each kind, feed, cause and planner, as testbed/replans.py draws and judges them."""
     for case in replans.sweep(100, 11):

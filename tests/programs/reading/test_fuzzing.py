@@ -111,7 +111,7 @@ def test_what_is_hidden_behind_branches_is_found(monkeypatch):
     coverage.features()
 
 
-@pytest.mark.sweep
+@pytest.mark.thorough
 def test_a_few_seconds_of_every_dialect():
     with tempfile.TemporaryDirectory() as out:
         command = [sys.executable, "-m", "testbed.fuzz", "all", "--seconds", "1.5", "--seed", "1", "--out", out]
