@@ -9,7 +9,8 @@ import shutil
 import numpy as np
 import pytest
 
-from tests.support.bending import PROGRAM, TOOL_FILE
+from tests.support.bending import PROGRAM, TOOL_FILE, TOOL_OF_STOCK
+from tests.support.set_up_sheets import milling_sheet
 from tests.support.tampering import Tamper, fails, put, times
 from toolpace.cli import main
 
@@ -112,18 +113,7 @@ G1 X15 F1500
 G0 Z20
 M30
 """
-SHEET = """[stock]
-box = [[0, -8, -6], [10, 0, 0]]
-uncertainty = 0
-[tools.1]
-kind = "flat"
-diameter = 4
-flute_length = 12
-teeth = 2
-helix = 30
-stick_out = 40
-material = "carbide"
-"""
+SHEET = milling_sheet([(0, -8, -6), (10, 0, 0)], 4, 12, 40, teeth=2, helix=30)
 
 
 @pytest.fixture(scope="module")
@@ -132,8 +122,7 @@ def wall(tmp_path_factory):
     (folder / "wall.nc").write_text(WALL)
     (folder / "sheet.toml").write_text(SHEET)
     (folder / "tools.toml").write_text(SHEET[SHEET.index("[tools.1]") :])
-    head = TOOL_FILE[: TOOL_FILE.index("[engagement]")]
-    (folder / "tool.toml").write_text(head + '[engagement]\nmilling = "stock"\n')
+    (folder / "tool.toml").write_text(TOOL_OF_STOCK)
     assert planned(folder, "sheet.toml", "--out", str(folder / "out"), "--no-report") == 0
     return folder
 

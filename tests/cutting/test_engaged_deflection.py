@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from tests.support.bending import TOOL_OF_STOCK
 from tests.support.engagements import shoulder
+from tests.support.set_up_sheets import milling_sheet
 from tests.support.turned_tool import turned_tool
 from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
@@ -18,34 +20,7 @@ from toolpace.errors import UsageError
 from toolpace.programs.reading.setup_file import setup_of_text
 
 MACHINE = tp.Machine.load("xyzac-trunnion")
-SHEET = """[stock]
-box = [[0, -20, -10], [20, 0, 0]]
-uncertainty = 0
-[tools.1]
-kind = "flat"
-diameter = 4
-flute_length = 12
-teeth = 2
-helix = 30
-stick_out = 40
-material = "carbide"
-"""
-TOOL = """[tool]
-diameter = "4mm"
-teeth = 2
-helix = "30deg"
-stick_out = "40mm"
-[bending]
-youngs_modulus = "580GPa"
-[cutting]
-spindle_speed = "18000rpm"
-Ktc = "800MPa"
-Krc = "300MPa"
-Kte = "15N/mm"
-Kre = "12N/mm"
-[engagement]
-milling = "stock"
-"""
+SHEET = milling_sheet([(0, -20, -10), (20, 0, 0)], 4, 12, 40, teeth=2, helix=30)
 WIDE = 0.6e-3
 """Of the cut [m]."""
 
@@ -58,7 +33,7 @@ def simulated(begin, end):
     return toolpath, tp.simulate_cut(motion, toolpath, setup, resolution=0.2e-3), setup
 
 
-def engaged(begin="X-6 Y1.4", end="X26", tool=TOOL):
+def engaged(begin="X-6 Y1.4", end="X26", tool=TOOL_OF_STOCK):
     toolpath, cut, setup = simulated(begin, end)
     figures = [setup.figures_of(each.tool) for each in toolpath.operations]
     return with_engaged_deflection(tool_of_bytes(tool.encode(), "tool.toml"), cut, toolpath, figures), toolpath, cut
@@ -118,10 +93,10 @@ def test_nothing_bends_in_air_and_in_a_slot_it_is_the_mean_of_the_tip():
 )  # fmt: skip
 def test_what_contradicts_the_sheet_is_refused(change, words):
     with pytest.raises(UsageError, match=words):
-        engaged(tool=TOOL.replace(*change))
+        engaged(tool=TOOL_OF_STOCK.replace(*change))
 
 
 def test_without_its_deflection_such_a_tool_compensates_nothing():
     toolpath, _, _ = simulated("X-6 Y1.4", "X26")
     with pytest.raises(UsageError, match="name a stock and this tool on the set-up sheet"):
-        tp.compensate_bending(toolpath, MACHINE, tool_of_bytes(TOOL.encode(), "tool.toml"))
+        tp.compensate_bending(toolpath, MACHINE, tool_of_bytes(TOOL_OF_STOCK.encode(), "tool.toml"))

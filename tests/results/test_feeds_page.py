@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.report_pages import Arrays, calculated, embedded
+from tests.support.set_up_sheets import milling_sheet
 from toolpace.cli import main
 
 PROGRAM = """(<b>slot</b>)
@@ -20,17 +21,7 @@ G1 X50 F1200
 G0 Z30
 M30
 """
-SHEET = """[stock]
-box = [[0, 0, -10], [30, 20, 0]]
-uncertainty = 0
-[tools.1]
-kind = "flat"
-diameter = 8
-flute_length = 12
-teeth = 3
-stick_out = 30
-material = "carbide"
-"""
+SHEET = milling_sheet([(0, 0, -10), (30, 20, 0)], 8, 12, 30)
 
 
 @pytest.fixture(scope="module")

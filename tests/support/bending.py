@@ -36,3 +36,5 @@ milling = "down"
 axial_depth = "8mm"
 radial_depth = "0.15mm"
 """
+TOOL_OF_STOCK = TOOL_FILE[: TOOL_FILE.index("[engagement]")] + '[engagement]\nmilling = "stock"\n'
+"""The same tool, whose engagement is that in a stock."""

@@ -4,20 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.support.set_up_sheets import milling_sheet
+
 TURNS, TEETH = 6000.0, 3
-SHEET = """
-[stock]
-box = [[0, -20, -20], [60, 20, 0]]
-uncertainty = 0.5
-[tools.1]
-kind = "flat"
-diameter = 10
-flute_length = 20
-teeth = 3
-stick_out = 40
-material = "carbide"
-spindle_speed = 6000
-"""
+SHEET = milling_sheet([(0, -20, -20), (60, 20, 0)], 10, 20, 40, uncertainty=0.5, spindle_speed=6000)
 TWO_SLOTS = """G21 G90 G54 G17
 T1 M6
 G43 H1

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 import toolpace as tp
+from tests.support.set_up_sheets import milling_sheet
 from toolpace.cutting.feeds.limited_plan import CutLimitedPlan, plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
@@ -18,19 +19,7 @@ from toolpace.programs.tool_figures import ToolFigures
 class SLOT:
     """A slot 2 mm deep through a block, with air before and behind."""
 
-    sheet = """
-[stock]
-box = [[0, -20, -20], [40, 20, 0]]
-uncertainty = 0
-[tools.1]
-kind = "flat"
-diameter = 10
-flute_length = 20
-teeth = 3
-stick_out = 40
-material = "carbide"
-spindle_speed = 6000
-"""
+    sheet = milling_sheet([(0, -20, -20), (40, 20, 0)], 10, 20, 40, spindle_speed=6000)
     program = """G21 G90 G54 G17
 T1 M6
 S6000 M3

@@ -21,7 +21,7 @@ from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file, write_text
 from toolpace.common.files.toml import toml_value
 from toolpace.jobs import Step, TimedSteps
-from toolpace.jobs.batch.job import USUAL_AXIS, USUAL_TIP, BatchRow, Loader
+from toolpace.jobs.batch.job import BatchRow, Loader
 from toolpace.jobs.batch.work import MARK, Place, do_job
 from toolpace.programs.reading.source import Source
 
@@ -229,24 +229,23 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
     """The program with feeds by the cut, written into the folder of the job, and what was gained."""
     from toolpace.common.units import format_time, parse_feed
     from toolpace.cutting.feeds.rules import FeedRules
-    from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+    from toolpace.cutting.feeds.schedule import PROGRAM_STEPS
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import new_feeds
-    from toolpace.programs.tolerances import Tolerances
     from toolpace.results.cut.feeds_page import feeds_page
 
     asked = project.batch_job(part, job.reading, job.request)
     prepared = Loader().prepare(asked)
+    tip, axis = asked.tolerances()
     request = CutRequest(
         machine=prepared.machine, options=prepared.options,
-        tip_tolerance=asked.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
-        axis_tolerance=asked.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
+        tip_tolerance=tip, axis_tolerance=axis,
         effort=asked.effort, feed=None, dialect=asked.dialect, resolution=None, memory=MEMORY,
     )  # fmt: skip
     rules = FeedRules(
-        way=job.request.feeds,  # type: ignore[arg-type]
+        way=job.request.feeds,
         air_feed=parse_feed(job.request.air_feed) if job.request.air_feed else None,
-        steps=FeedSteps(margin=1e-3, ratio=1.05, shortest=2e-3),  # as the command has them
+        steps=PROGRAM_STEPS,
     )
     found = new_feeds(prepared.path, request, rules, True, steps)
     folder = project.job_folder(job.id)

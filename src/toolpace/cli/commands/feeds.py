@@ -113,7 +113,7 @@ class Allowed:
     def rules(self) -> FeedRules:
         """The same, checked. Raises UsageError."""
         from toolpace.cutting.feeds.rules import FeedRules
-        from toolpace.cutting.feeds.schedule import Steps as FeedSteps
+        from toolpace.cutting.feeds.schedule import PROGRAM_STEPS
         from toolpace.cutting.feeds.teaching import load_teachers
 
         most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
@@ -125,9 +125,9 @@ class Allowed:
         if limits and self.feeds != "limits":
             raise UsageError(f"--limit goes with --feeds limits, and the feeds are '{self.feeds}'")
         return FeedRules(
-            way=self.feeds,  # type: ignore[arg-type]
+            way=self.feeds,
             air_feed=None if self.air_feed is None else parse_feed(self.air_feed),
-            steps=FeedSteps(margin=parse_length(self.margin), ratio=1.05, shortest=2e-3),
+            steps=replace(PROGRAM_STEPS, margin=parse_length(self.margin)),
             limits=limits,
             materials={} if self.material is None else {"": coefficients_of(self.material)},
             raise_at_most=math.inf if self.raise_at_most is None else self.raise_at_most,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Literal, get_args
 
 from toolpace.common.arrays import number
 from toolpace.common.errors import UsageError, did_you_mean
@@ -16,8 +15,7 @@ from toolpace.machine.cutting_tool import Coefficients
 from toolpace.machine.machine import Machine
 from toolpace.programs.toolpath import ToolPath
 
-Way = Literal["air", "learned", "limits"]
-WAYS: tuple[Way, ...] = get_args(Way)
+WAYS = ("air", "learned", "limits")
 WITHOUT_MATERIAL = frozenset({"chip", "feed_per_tooth", "removal_rate", "feed_marks"})
 """Limits that no force belongs to."""
 
@@ -26,7 +24,8 @@ WITHOUT_MATERIAL = frozenset({"chip", "feed_per_tooth", "removal_rate", "feed_ma
 class FeedRules:
     """What feeds may be changed, and how far. Raises UsageError for what makes no sense."""
 
-    way: Way = "air"
+    way: str = "air"
+    """One of WAYS."""
     air_feed: float | None = None
     """In air, and the most where something is cut [m/s]; None: that of the machine."""
     machine_feed: float | None = None

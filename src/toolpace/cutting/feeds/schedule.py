@@ -38,6 +38,10 @@ class Steps:
         number(self.shortest, "steps of the feed: shortest", least=0.0, unit="m")
 
 
+PROGRAM_STEPS = Steps(ratio=1.05, shortest=2e-3)
+"""Of F words: a programmer reads few changes, and a control reaches no other feed on less."""
+
+
 @dataclass(frozen=True)
 class Places:
     """n stations at feed as places of the program, in its order."""

@@ -18,6 +18,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
+from toolpace.common.files import reason, write_text
 from toolpace.cutting.feeds.feed_moves import FeedMoves
 from toolpace.cutting.feeds.learned import Taken, Teacher, best_of, held_loads, without_heaviest
 from toolpace.cutting.simulation.operation_cut import CutStretch
@@ -153,10 +154,16 @@ def figures_as_text(figures: ToolFigures) -> dict[str, str]:
 
 
 def save_teachers(teachers: Iterable[Teacher], program: str, folder: str | Path) -> None:
-    """Write the teachers of a program for others (`load_teachers`), as teachers.json of a folder, which is made."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
+    """Write the teachers of a program for others (`load_teachers`), as teachers.json of a folder, which is made.
+
+    Raises UsageError where it cannot be.
+    """
     entries = [asdict(each) | {"program": each.program or program} for each in teachers]
-    (Path(folder) / FILE).write_text(json.dumps({"teachers": entries}, indent=1), encoding="utf-8")
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        write_text(Path(folder) / FILE, json.dumps({"teachers": entries}, indent=1))
+    except OSError as error:
+        raise UsageError(f"--save-teachers {folder}: {reason(error)}; give another folder") from None
 
 
 def load_teachers(folder: str | Path) -> tuple[Teacher, ...]:

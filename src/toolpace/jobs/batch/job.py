@@ -34,6 +34,7 @@ from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.options import ReadOptions
 from toolpace.programs.reading.setup_file import load_setup, setup_text
 from toolpace.programs.reading.source import Source
+from toolpace.programs.tolerances import Tolerances
 
 KINDS = ("plan", "time", "inspect", "export")
 """What can be done with a program."""
@@ -129,6 +130,13 @@ class BatchJob:
         if self.what == "export" and self.npz == "no":
             raise UsageError("what = export needs set-points: leave npz as it is")
         self._check_words()
+
+    def tolerances(self) -> tuple[float | Tolerances, float | Tolerances]:
+        """Of a plan, tip [m] and tool axis [rad]; those not named are tighter where the program asks for that."""
+        return (
+            self.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
+            self.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
+        )
 
     def widest_tolerances(self) -> tuple[float | None, float | None]:
         """Of tip [m] and tool axis [rad]; None of `time` where they are the program's."""

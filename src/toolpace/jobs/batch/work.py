@@ -14,7 +14,7 @@ import msgspec
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import changed, whole_folder
 from toolpace.jobs import TimedSteps
-from toolpace.jobs.batch.job import ERROR, USUAL_AXIS, USUAL_TIP, BatchRow, Prepared, waiting
+from toolpace.jobs.batch.job import ERROR, BatchRow, Prepared, waiting
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.results.write import PLAN, PlanRecord, read_plan
 
@@ -82,15 +82,15 @@ def done_before(folder: Path, prepared: Prepared) -> BatchRow | None:
 
 def _plan(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
     from toolpace.jobs import job as jobs
-    from toolpace.programs.tolerances import Tolerances
 
     job = prepared.job
+    tip, axis = job.tolerances()
     task = jobs.Job(
         program=Path(prepared.path),
         machine=prepared.machine,
         out=folder / prepared.folder,
-        tip_tolerance=job.tip_tolerance or Tolerances(USUAL_TIP, tighter=True),
-        axis_tolerance=job.axis_tolerance or Tolerances(USUAL_AXIS, tighter=True),
+        tip_tolerance=tip,
+        axis_tolerance=axis,
         planner=job.planner,
         effort=job.effort,
         prove_within=job.prove_within,

@@ -25,6 +25,8 @@ THEME_BUTTON = (
     "</svg></button>"
 )
 """Switches the colours of a page."""
+PARTS = ("transport", "camera", "space", "zoom", "curves")
+"""Of players: buttons of playing, those of the camera, the 3-D view, buttons of the time line, and its drawing."""
 
 
 def whole_page(
@@ -39,8 +41,8 @@ def whole_page(
     """The HTML text of a page whose parts lie in a package: body, script and styles.
 
     room: the package; in it the body `name`.html, with `fields` (HTML) to fill in beside title, version, the button of
-    dark and light (`theme`) and those of playing (`transport`), and `name`.js and `name`.css if it has a script and
-    styles of its own.
+    dark and light (`theme`) and the PARTS of a player; and `name`.js and `name`.css if it has a script and styles of
+    its own.
     data: JSON that the script draws; None where it draws nothing.
     scripts: names of files in report/player/ or in the package that the script stands on, in order; `scene` draws with
     three.js, which is then there too.
@@ -57,7 +59,7 @@ def whole_page(
     return framed(
         title,
         body.substitute(
-            fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON, transport=transport()
+            fields, title=escape(title), version=escape(__version__), theme=THEME_BUTTON, **player_parts()
         ),
         style,
         _joined([*(_script(each, parts, here) for each in ("theme", *scripts)), *own]),
@@ -67,16 +69,17 @@ def whole_page(
     )
 
 
-def transport() -> str:
-    """The buttons of playing (HTML)."""
-    return _text(files("toolpace.results.report").joinpath("player/transport.html"))
+def player_parts() -> dict[str, str]:
+    """The PARTS of a player (HTML), by name."""
+    folder = files("toolpace.results.report").joinpath("player")
+    return {name: _text(folder.joinpath(f"{name}.html")).rstrip("\n") for name in PARTS}
 
 
 def motion_section(duration: float, below: str = "") -> str:
     """The player of a motion (HTML) of so many seconds: its view, the program and lists, the time line, and what stands
     `below` that (HTML)."""
     section = Template(_text(files("toolpace.results.report").joinpath("player/motion.html")))
-    return section.substitute(transport=transport(), duration=f"{duration:.6g}", below=below)
+    return section.substitute(player_parts(), duration=f"{duration:.6g}", below=below)
 
 
 def three_js() -> str:
