@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from toolpace.jobs import job
+from toolpace.jobs import plan_steps
 from toolpace.results.write.plan_json import UsageRecord
 
 
@@ -19,9 +19,9 @@ def record(kind, value):
 @pytest.mark.parametrize("kind", ["feed", "velocity", "acceleration", "jerk"])
 @pytest.mark.parametrize(("value", "code"), [(0.5, 0), (1.0, 0), (1.0001, 0), (1.00011, 1), (1.001, 1), (2.0, 1)])
 def test_a_limit_that_is_passed_between_the_set_points_ends_with_1(kind, value, code):
-    assert job.exit_code(record(kind, value), SimpleNamespace(ok=True)) == code
-    assert job.exit_code(record(kind, value), SimpleNamespace(ok=False)) == 1
+    assert plan_steps.exit_code(record(kind, value), SimpleNamespace(ok=True)) == code
+    assert plan_steps.exit_code(record(kind, value), SimpleNamespace(ok=False)) == 1
 
 
 def test_jerk_that_nothing_bounds_ends_with_1():
-    assert job.exit_code(record("jerk", None), SimpleNamespace(ok=True)) == 1
+    assert plan_steps.exit_code(record("jerk", None), SimpleNamespace(ok=True)) == 1

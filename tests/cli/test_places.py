@@ -103,18 +103,18 @@ def test_a_program_from_a_pipe_is_planned_and_kept(here, command, blade):
 
 def test_what_is_kept_is_what_was_planned(here, monkeypatch, blade):
     """A program that changes while it is planned, and a machine file too."""
-    from toolpace.jobs import job
+    from toolpace.jobs import plan_steps
 
     text = Machine.load("xyzac-trunnion").to_toml()
     (here / "mill.toml").write_text(text)
-    plan_motion = job.plan_motion
+    plan_motion = plan_steps.plan_motion
 
     def slow(*given):
         (here / "part.ngc").write_text("G0 X0 Y0 Z0\nG1 X1 F1\nM30\n")
         (here / "mill.toml").write_text("nonsense")
         return plan_motion(*given)
 
-    monkeypatch.setattr(job, "plan_motion", slow)
+    monkeypatch.setattr(plan_steps, "plan_motion", slow)
     assert main(["plan", "part.ngc", "-m", "mill.toml", "--no-report", "-o", "out"]) == 0
     assert (here / "out" / "program.ngc").read_text() == blade and (here / "out" / "machine.toml").read_text() == text
     assert main(["verify", "out"]) == 0
@@ -150,9 +150,9 @@ def test_output_to_a_full_disk_and_letters_it_does_not_know(here):
 SIGNALLED = """
 import os, signal, sys
 from toolpace.cli import main
-from toolpace.jobs import job
+from toolpace.jobs import plan_steps
 
-number, plan_motion = int(sys.argv[1]), job.plan_motion
+number, plan_motion = int(sys.argv[1]), plan_steps.plan_motion
 if number == signal.SIGHUP:
     signal.signal(number, signal.SIG_DFL)  # under nohup it is ignored, also by children
 
@@ -160,7 +160,7 @@ def hit(*given):
     os.kill(os.getpid(), number)
     return plan_motion(*given)
 
-job.plan_motion = hit
+plan_steps.plan_motion = hit
 sys.exit(main(sys.argv[2:]))
 """
 
@@ -226,9 +226,9 @@ ARGUMENTS = {
 
 @pytest.mark.parametrize("case", ARGUMENTS)
 def test_arguments_beyond_all_bounds_are_one_line_before_the_work(here, capsys, monkeypatch, case):
-    from toolpace.jobs import job
+    from toolpace.jobs import plan_steps
 
-    monkeypatch.setattr(job, "fit_path", lambda *given: pytest.fail("the work had begun"))
+    monkeypatch.setattr(plan_steps, "fit_path", lambda *given: pytest.fail("the work had begun"))
     if case == "no memory":
         monkeypatch.setattr("toolpace.motion.setpoints.free_memory", lambda: 1e9)
     given, says = ARGUMENTS[case]

@@ -16,7 +16,7 @@ import pytest
 from tests.support.tampering import Tamper, column, fails, part_of, put, times
 from toolpace.cli import demo_programs, main
 from toolpace.common.files.seal import KEY
-from toolpace.jobs import job
+from toolpace.jobs import plan_steps
 from toolpace.judge.figures import AS_SAID, IN_THE_VERDICT, RECOMPUTED
 from toolpace.results import write
 
@@ -340,7 +340,7 @@ def test_exit_code_is_1_above_a_limit():
     for kind in ("feed", "velocity", "acceleration", "jerk"):
         for peak, code in ((1.00009, 0), (1.0002, 1), (np.inf, 1)):
             over = msgspec.structs.replace(usage, **{kind: peak if kind == "feed" else {"X": peak}})
-            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=True)) == code
-            assert job.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=False)) == 1
+            assert plan_steps.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=True)) == code
+            assert plan_steps.exit_code(SimpleNamespace(usage=over), SimpleNamespace(ok=False)) == 1
     unlimited = msgspec.structs.replace(usage, jerk={"X": None})
-    assert job.exit_code(SimpleNamespace(usage=unlimited), SimpleNamespace(ok=True)) == 1
+    assert plan_steps.exit_code(SimpleNamespace(usage=unlimited), SimpleNamespace(ok=True)) == 1

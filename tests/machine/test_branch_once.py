@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.tool_paths import spiral, tilted, toolpath_through
 from toolpace.cli import main
-from toolpace.jobs import job
+from toolpace.jobs import plan_steps
 from toolpace.kernels.kinematics import branches
 from toolpace.machine.machine import Machine
 from toolpace.path.fit.polyline import refined
@@ -39,7 +39,7 @@ def choices(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
 
 
 def test_a_plan_from_the_command_line_decides_at_most_once_a_fit(choices, tmp_path, monkeypatch):
-    monkeypatch.setattr(job, "warm_up", lambda steps: None)
+    monkeypatch.setattr(plan_steps, "warm_up", lambda steps: None)
     program = tmp_path / "part.cls"
     program.write_text(PROGRAM)
     out = tmp_path / "out"

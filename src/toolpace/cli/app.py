@@ -106,7 +106,7 @@ def plan_command(
         post part.cls | toolpace plan - -m xyzbc-head --out part-plan
     """
     from toolpace.cli import arguments, summary
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
 
     tip, axis = arguments.tolerances(tolerances)
     arguments.planner_named(planner)
@@ -132,11 +132,11 @@ def plan_command(
         report=not files.no_report,
     )
     console = new_console()
-    record, verification = job.carry_out(task, Steps(console))
+    record, verification = plan_steps.carry_out(task, Steps(console))
     summary.show_plan(console, record, verification)
     summary.show_prices(console, record, task.machine)
-    summary.show_files(console, task.out, job.written(task, record), record)
-    return job.exit_code(record, verification)
+    summary.show_files(console, task.out, plan_steps.written(task, record), record)
+    return plan_steps.exit_code(record, verification)
 
 
 app.command(batch.batch_command, name="batch", group=PLAN, help_epilogue="")
@@ -309,7 +309,7 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     The program is written beside the plan, as program.ngc.
     """
     from toolpace.cli import arguments, demo_programs, summary
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading import Source
     from toolpace.results import write
@@ -318,17 +318,17 @@ def demo_command(*, out: options.Results = "toolpace-demo") -> int:
     machine = Machine.load(demo_programs.MACHINE)
     console = new_console()
     steps = Steps(console)
-    job.warm_up(steps)
+    plan_steps.warm_up(steps)
     with steps.step("generating") as step:
         source = Source.from_bytes(demo_programs.impeller_program(machine).encode("ascii"), "impeller.ngc")
         step.note = "the program of an impeller, seven blades"
     task = job.Job(Path(source.name), machine, place, 0.01 * MILLIMETRE, 0.05 * DEGREE, source=source)
-    record, verification = job.carry_out(task, steps)
+    record, verification = plan_steps.carry_out(task, steps)
     summary.show_plan(console, record, verification)
-    summary.show_files(console, place, job.written(task, record), record)
+    summary.show_files(console, place, plan_steps.written(task, record), record)
     report = (place / write.REPORT).resolve()
     console.print(f"\nOpen the report in a browser:\n{printable(str(report))}", soft_wrap=True)
-    return job.exit_code(record, verification)
+    return plan_steps.exit_code(record, verification)
 
 
 @app.command(name="study", group=PLAN, help_epilogue="")
@@ -336,12 +336,12 @@ def study_command(*, out: options.Results = "toolpace-study") -> int:
     """Redo the simulation study of Wu, Li, Liu and Perez (ACC 2009): its figures beside ours."""
     from toolpace import study
     from toolpace.cli import arguments
-    from toolpace.jobs import job
+    from toolpace.jobs import plan_steps
 
     place = arguments.folder_for_results(out)
     console = new_console()
     steps = Steps(console)
-    job.warm_up(steps)
+    plan_steps.warm_up(steps)
     with steps.step("studying") as step:
         study.write_study(place, step)
     console.print(f"Open the study in a browser:\n{printable(str((place / 'study.html').resolve()))}", soft_wrap=True)

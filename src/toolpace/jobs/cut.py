@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toolpace.common.errors import UnitWarning
-from toolpace.jobs import TimedSteps, job
+from toolpace.jobs import TimedSteps, job, plan_steps
 from toolpace.jobs.motion_cut import cut_motion
 
 if TYPE_CHECKING:
@@ -97,14 +97,14 @@ def cut_program(
             report=False,
         )
     )
-    job.warm_up(steps)
-    toolpath = job.read_program(task, steps)
+    plan_steps.warm_up(steps)
+    toolpath = plan_steps.read_program(task, steps)
     # what the sheet lacks is said before the plan, which may take minutes
     tools, _ = set_up.tools_in_use(toolpath, request.options.setup)
     if left is None:
         set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
     with with_cure_of_zero(toolpath.assumed):
-        planned = job.plan_motion(task, steps, job.fit_path(task, steps, toolpath))
+        planned = plan_steps.plan_motion(task, steps, plan_steps.fit_path(task, steps, toolpath))
     with warnings.catch_warnings():
         # what the place of the stock asks has been asked before the plan
         warnings.simplefilter("ignore", UnitWarning)

@@ -11,7 +11,7 @@ import msgspec
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import ToolpaceError, printable
 from toolpace.common.units import DEGREE, MILLIMETRE
-from toolpace.jobs import TimedSteps, job, motion_cut
+from toolpace.jobs import TimedSteps, job, motion_cut, plan_steps
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.figures import ControlFigures
@@ -131,7 +131,7 @@ def timed(
     elif planned and not waits_only:
         best = optimum_of(task, steps)
     elif not waits_only:
-        toolpath = job.read_program(task, steps)
+        toolpath = plan_steps.read_program(task, steps)
         with with_cure_of_zero(toolpath.assumed):
             follow_as_planned(request.machine, toolpath)
     if figures.model == "ideal" and not waits_only:
@@ -142,7 +142,7 @@ def timed(
             time = with_range(time, moves, request.machine, figures)
     cut: CutSimulation | None = None
     if options.setup.workpiece.stock is not None and not waits_only:
-        toolpath = toolpath if toolpath is not None else job.read_program(task, steps)
+        toolpath = toolpath if toolpath is not None else plan_steps.read_program(task, steps)
         with motion_cut.without_cut(steps):
             if figures.model == "ideal":
                 cut = motion_cut.cut_motion(
@@ -236,10 +236,10 @@ def fastest_motion(task: job.Job, steps: TimedSteps) -> tuple[Trajectory, ToolPa
     """The fastest motion along the program, and the program. Raises ToolpaceError."""
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
-    job.warm_up(steps)
-    toolpath = job.read_program(task, steps)
+    plan_steps.warm_up(steps)
+    toolpath = plan_steps.read_program(task, steps)
     with with_cure_of_zero(toolpath.assumed):
-        return job.plan_motion(task, steps, job.fit_path(task, steps, toolpath)).trajectory, toolpath
+        return plan_steps.plan_motion(task, steps, plan_steps.fit_path(task, steps, toolpath)).trajectory, toolpath
 
 
 def optimum_of_parts(found: Timed) -> list[float | None]:

@@ -133,14 +133,14 @@ def export_command(
     """
     from toolpace.cli import arguments
     from toolpace.controls.export import PlannedMotion, target_of, write_export
-    from toolpace.jobs import job
+    from toolpace.jobs import plan_steps
 
     console = new_console()
     writer = target_of(to, target.target_options())
     place = arguments.folder_for_results(export_folder(directory, to) if out is None else out)
     steps = Steps(console)
     if to == "program":
-        job.warm_up(steps)
+        plan_steps.warm_up(steps)
     with steps.step("loading") as step:
         motion = PlannedMotion.load(Path(directory))
         step.note = f"{len(motion.setpoints)} set-points"

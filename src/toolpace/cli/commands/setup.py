@@ -176,7 +176,7 @@ def setup_command(
 
 def run_setup(request: SearchRequest) -> int:
     """Search each machine, write the folder of the fastest, and say what was found."""
-    from toolpace.jobs import job
+    from toolpace.jobs import plan_steps
     from toolpace.results.write.set_up_folder import write_set_up
     from toolpace.setup_search.search import check_arguments
 
@@ -186,7 +186,7 @@ def run_setup(request: SearchRequest) -> int:
     check_arguments(toolpath, request.trials, request.mapped, request.shown)
     for _, each in request.machines:
         request.choices.checked(each)
-    job.warm_up(steps)
+    plan_steps.warm_up(steps)
     found = [(name, searched(request, toolpath, machine, name, steps)) for name, machine in request.machines]
     fastest = min(
         (each for _, each in found if not isinstance(each, str)), key=lambda each: each.best[0].duration, default=None
@@ -208,7 +208,7 @@ def written_plans(request: SearchRequest, folder: Path, found: FoundSetUp, conso
 
     Returns the names of the reports as they are reached from the folder of the results.
     """
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
     from toolpace.results.write import REPORT
     from toolpace.results.write.set_up_folder import PROGRAM, cldata_text
     from toolpace.setup_search.found_set_up import with_sheet
@@ -219,7 +219,7 @@ def written_plans(request: SearchRequest, folder: Path, found: FoundSetUp, conso
     for number, each in enumerate(found.best, start=1):
         console.print(f"\nset-up {number}: {each.clamping.words(each.machine)}")
         machine, out = with_sheet(each.machine, request.options.setup), folder / str(number)
-        job.carry_out(job.Job(program, machine, out, *request.tolerances, effort="low"), Steps(console))
+        plan_steps.carry_out(job.Job(program, machine, out, *request.tolerances, effort="low"), Steps(console))
         try:
             reports.append(Path(os.path.relpath(out / REPORT, request.out)).as_posix())
         except ValueError:  # on another drive
@@ -242,14 +242,14 @@ def advice(request: SearchRequest) -> str:
 
 def read_for_first(request: SearchRequest, steps: Steps) -> ToolPath:
     """The program as it is read for the first machine."""
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
 
     machine = request.machines[0][1]
     task = job.Job(
         Path(request.program), machine, request.out, *request.tolerances, feed=request.feed, dialect=request.dialect,
         options=request.options,
     )  # fmt: skip
-    return job.read_program(job.loaded(task), steps)
+    return plan_steps.read_program(job.loaded(task), steps)
 
 
 def searched(request: SearchRequest, toolpath: ToolPath, machine: Machine, name: str, steps: Steps) -> FoundSetUp | str:

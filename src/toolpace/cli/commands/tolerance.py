@@ -105,14 +105,14 @@ def costs(task: Job, tolerances: Sequence[float], steps: Steps) -> list[Cost]:
     A path within a tolerance is one within a wider, which takes it where it finds no faster one.
     """
     from toolpace.common.workers import Progress
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
     from toolpace.planning.optimal.planner import Optimal
     from toolpace.planning.program_plan import plan_program
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
     task = job.loaded(task)
-    job.warm_up(steps)
-    toolpath = job.read_program(task, steps)
+    plan_steps.warm_up(steps)
+    toolpath = plan_steps.read_program(task, steps)
     found: list[Cost] = []
     for k, tip in enumerate(tolerances):
         with with_cure_of_zero(toolpath.assumed), steps.step("planning") as step:
@@ -172,17 +172,17 @@ def run_tolerance(
 
 def written_costs(task: Job, tolerances: Sequence[float], folder: Path, steps: Steps) -> tuple[list[Cost], int]:
     """Plan in full within each tolerance [m], and write each plan; the durations, and the exit code of the worst."""
-    from toolpace.jobs import job
+    from toolpace.jobs import job, plan_steps
 
     task, found, codes = job.loaded(task), [], []
     for tip in tolerances:
         name = f"{tip * 1e6:.6g}um"
         steps.console.print(f"\nwithin {format_length(tip)}")
-        record, verification = job.carry_out(
+        record, verification = plan_steps.carry_out(
             replace(task, tip_tolerance=tip, out=folder / name), Steps(steps.console)
         )
         found.append(Cost(tip, record.duration_s, name))
-        codes.append(job.exit_code(record, verification))
+        codes.append(plan_steps.exit_code(record, verification))
     return found, max(codes)
 
 

@@ -81,11 +81,12 @@ def done_before(folder: Path, prepared: Prepared) -> BatchRow | None:
 
 
 def _plan(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
-    from toolpace.jobs import job as jobs
+    from toolpace.jobs import plan_steps
+    from toolpace.jobs.job import Job
 
     job = prepared.job
     tip, axis = job.tolerances()
-    task = jobs.Job(
+    task = Job(
         program=Path(prepared.path),
         machine=prepared.machine,
         out=folder / prepared.folder,
@@ -104,7 +105,7 @@ def _plan(folder: Path, prepared: Prepared, steps: TimedSteps) -> BatchRow:
         tool=prepared.tool,
         source=prepared.source,
     )
-    record, _ = jobs.carry_out(task, steps)
+    record, _ = plan_steps.carry_out(task, steps)
     return _row_of_plan(prepared, record)
 
 
