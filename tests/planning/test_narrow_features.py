@@ -75,7 +75,7 @@ def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
 
 @pytest.mark.sweep
 def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
-    for seed in range(24):
+    for seed in range(12):
         random = np.random.default_rng([seed, 17])
         joints = int(random.integers(1, 5))
         for width in (PLANNED, SHOWN):
