@@ -73,9 +73,15 @@ def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
             assert motion.usage().worst == pytest.approx(real, rel=0.05) or motion.usage().worst > real
 
 
-@pytest.mark.sweep
-def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
-    for seed in range(12):
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(12), marks=pytest.mark.sweep, id="some"),
+        pytest.param(range(12, 24), marks=pytest.mark.thorough, id="many"),
+    ],
+)
+def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows(seeds):
+    for seed in seeds:
         random = np.random.default_rng([seed, 17])
         joints = int(random.integers(1, 5))
         for width in (PLANNED, SHOWN):
