@@ -1,4 +1,4 @@
-"""The command `picture`: a planned motion at a moment as PNG, or an animation of it as GIF or MP4, without a browser."""
+"""The command `picture`: a planned motion at a moment as PNG, or an animation as GIF or MP4, without a browser."""
 
 from __future__ import annotations
 
