@@ -1,17 +1,23 @@
+const press = (group, button) => { for (const other of group) other.setAttribute("aria-pressed", String(other === button)); };
+
+// Buttons of the view in space.
+function wireCamera(space) {
+  const cameras = [...document.querySelectorAll("[data-camera]")];
+  for (const button of cameras) button.addEventListener("click", () => { press(cameras, button); if (space) space.look(button.dataset.camera); });
+  for (const button of document.querySelectorAll("[data-do=frame]")) button.addEventListener("click", () => { if (space) space.frame(); });
+}
+
 // Buttons and keys: of a playback, of the time line that shows it, and of the view in space where there is one.
 function wireTransport(playback, timeline, space) {
   const get = (id) => document.getElementById(id), all = (name) => [...document.querySelectorAll(`[data-${name}]`)];
-  const press = (group, button) => { for (const other of group) other.setAttribute("aria-pressed", String(other === button)); };
   const actions = {
     play: () => (playback.playing ? playback.pause() : playback.play()),
     back: () => playback.step(-1), next: () => playback.step(1), begin: () => playback.seek(0), end: () => playback.seek(playback.duration),
     all: () => timeline.view(0, timeline.whole), closer: () => timeline.zoom(0.5), farther: () => timeline.zoom(2),
     frame: () => space && space.frame(),
   };
-  for (const button of all("do")) if (actions[button.dataset.do]) button.addEventListener("click", actions[button.dataset.do]);
-  for (const button of all("camera")) {
-    button.addEventListener("click", () => { press(all("camera"), button); if (space) space.look(button.dataset.camera); });
-  }
+  for (const button of all("do")) if (actions[button.dataset.do] && button.dataset.do !== "frame") button.addEventListener("click", actions[button.dataset.do]);
+  wireCamera(space);
   for (const button of all("layer")) {
     button.hidden = button.hasAttribute("hidden") && !space?.workpiece?.layers[button.dataset.layer];
     button.addEventListener("click", () => {
