@@ -42,7 +42,8 @@ function wireTransport(playback, timeline, space) {
     const k = rates.indexOf(playback.rate) + by;
     if (k >= 0 && k < rates.length) { playback.rate = rates[k]; get("rate").value = String(rates[k]); }
   };
-  const keys = { " ": actions.play, Home: actions.begin, End: actions.end, "+": () => faster(1), "-": () => faster(-1), f: actions.frame,
+  wireClock(playback);
+  const keys = { " ": actions.play, g: () => get("at").focus(), Home: actions.begin, End: actions.end, "+": () => faster(1), "-": () => faster(-1), f: actions.frame,
     ArrowLeft: actions.back, ArrowRight: actions.next, "[": actions.farther, "]": actions.closer, 0: actions.all };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName)) return;
@@ -54,10 +55,33 @@ function wireTransport(playback, timeline, space) {
   });
 }
 
+// The time that words name, which are a time (12.5, 12.5 s, 1:30, 1:02:30) or a line of the program (line 120); NaN for others.
+function namedTime(words, playback) {
+  const line = /^(?:line|l)\s*(\d+)$/i.exec(words), time = /^(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?)\s*s?$/i.exec(words);
+  if (line && playback.lineTime) return playback.lineTime(Number(line[1]));
+  return time ? 3600 * Number(time[1] || 0) + 60 * Number(time[2] || 0) + Number(time[3].replace(",", ".")) : NaN;
+}
+
+// The clock takes a time or a line to go to.
+function wireClock(playback) {
+  const at = document.getElementById("at");
+  const leave = () => { at.classList.remove("bad"); at.blur(); playback.seek(playback.t); };
+  at.addEventListener("focus", () => { playback.pause(); at.select(); });
+  at.addEventListener("blur", () => { at.classList.remove("bad"); playback.seek(playback.t); });
+  at.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") leave();
+    if (event.key !== "Enter") return;
+    const t = namedTime(at.value.trim(), playback);
+    at.classList.toggle("bad", !(t <= playback.duration));
+    if (t <= playback.duration) { playback.seek(t); leave(); }
+  });
+}
+
 // The clock, and whether it runs.
 function showClock(playback, words) {
   const get = (id) => document.getElementById(id);
-  get("clock").textContent = `${clock(playback.t)} / ${clock(playback.duration, 0.01)}`;
+  if (document.activeElement !== get("at")) get("at").value = clock(playback.t);
+  get("whole").textContent = ` / ${clock(playback.duration, 0.01)}`;
   get("readout").textContent = words.filter(Boolean).join(" · ");
   get("play").setAttribute("aria-label", playback.playing ? "Pause" : "Play");
   document.body.classList.toggle("playing", !!playback.playing);
