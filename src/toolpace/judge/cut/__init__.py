@@ -28,7 +28,6 @@ SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
-NOT_JUDGED = "cut, not judged"
 UNITS = {
     "chip": "m", "feed_per_tooth": "m", "removal_rate": "m3/s", "force": "N", "torque": "N m", "power": "W",
     "moment": "N m", "stress": "Pa", "deflection": "m", "surface_deflection": "m", "compensated_deflection": "m",
@@ -50,7 +49,7 @@ def checks_of_cut(points: SetPoints, toolpath: ToolPath, promise: CutPromise, fi
 
 def not_judged(reason: str) -> Check:
     """That the cut, or a part of it, was not looked at: no failure, and no success."""
-    return Check(NOT_JUDGED, math.nan, 0.0, "", True, note=reason)
+    return Check("cut", math.nan, 0.0, "", True, note=reason, judged=False)
 
 
 def cut_checks(judge: CutJudge, file: CutFile, instants: int, stations: int) -> list[Check]:
