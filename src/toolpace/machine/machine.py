@@ -81,6 +81,7 @@ class Machine(ByValue, Posed):
                 [joint.acceleration for joint in values],
                 [joint.jerk for joint in values],
                 geometry.joints,
+                curves=[curve for joint in values for curve in joint.curves],
             ),
             "travel": geometry.travel,
             "wrap": geometry.wrap,
@@ -177,11 +178,15 @@ class Machine(ByValue, Posed):
             raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
 
-        values = zip(self.file.joints.items(), limits.velocity, limits.acceleration, limits.jerk)
+        limits = limits.constants
+        values = zip(self.file.joints.items(), limits.joints, limits.velocity, limits.acceleration, limits.jerk)
         joints = {
-            name: msgspec.structs.replace(joint, velocity=float(v), acceleration=float(a), jerk=float(j))
-            for (name, joint), v, a, j in values
-        }
+            name: msgspec.structs.replace(
+                joint, velocity=float(v), acceleration=float(a), jerk=float(j),
+                curves=tuple(replace(curve, joint=name) for curve in limits.curves if curve.joint == named),
+            )
+            for (name, joint), named, v, a, j in values
+        }  # fmt: skip
         for name, joint in joints.items():
             before = self.file.joints[name]
             if all(is_usual(joint.kind, kind, getattr(before, kind)) for kind in KINDS):
