@@ -116,7 +116,7 @@ class Machine(ByValue, Posed):
             raise MachineError(
                 f"unknown machine '{which}'; {hint}built-in: {names}; or give the path of a .toml file"
             ) from None
-        return _built_in(cls, text, which) if path == built_in else cls.from_toml(text, which)
+        return _built_in(text, which) if path == built_in and cls is Machine else cls.from_toml(text, which)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
@@ -256,9 +256,9 @@ class Machine(ByValue, Posed):
 
 
 @functools.cache
-def _built_in(kind: type[Machine], text: str, name: str) -> Machine:
+def _built_in(text: str, name: str) -> Machine:
     """A built-in machine, which is frozen, made once of the text of its file: that takes longer than many a program."""
-    return kind.from_toml(text, name)
+    return Machine.from_toml(text, name)
 
 
 def _exists(path: Path) -> bool:
