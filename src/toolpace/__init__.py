@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
     from toolpace.machine.file import ChainFile, JointFile, MachineFile
     from toolpace.machine.geometry import Geometry
+    from toolpace.machine.limit_curves import CurvedLimit, LimitCurve
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.machine.rows import Rows
@@ -106,6 +107,7 @@ __all__ = [
     "Clamping",
     "Coefficients",
     "Controller",
+    "CurvedLimit",
     "Cut",
     "CutLoads",
     "CutSimulation",
@@ -131,6 +133,7 @@ __all__ = [
     "Kinematics",
     "LeftAbovePart",
     "LeftRegion",
+    "LimitCurve",
     "Limits",
     "Machine",
     "MachineFile",
@@ -228,6 +231,7 @@ _HOME = {
     "Clamping": "setup_search.clamping",
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
+    "CurvedLimit": "machine.limit_curves",
     "Cut": "machine.cutting_tool",
     "CutLoads": "cutting.forces.engaged",
     "CutSimulation": "cutting.simulation.simulate",
@@ -253,6 +257,7 @@ _HOME = {
     "Kinematics": "programs.reading",
     "LeftAbovePart": "cutting.simulation.left_above_part",
     "LeftRegion": "cutting.simulation.left_above_part",
+    "LimitCurve": "machine.limit_curves",
     "Limits": "machine.limits",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",

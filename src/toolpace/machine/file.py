@@ -6,6 +6,7 @@ Every figure is checked where it is read, so that an error can name file, joint 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
@@ -13,6 +14,8 @@ import msgspec
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
+from toolpace.machine.curves_file import check_speeds, curved_limits
+from toolpace.machine.limit_curves import CurvedLimit
 from toolpace.machine.limits import KINDS
 from toolpace.machine.plausibility import (
     LONGEST_NOTE,
@@ -64,6 +67,9 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     point: Vector = (0.0, 0.0, 0.0)
     travel: tuple[float, float] | None = None
     wrap: bool = False
+    curves: tuple[Any, ...] = ()
+    """The limits that fall with its speed, as CurvedLimit [m or rad, s]: of those keys that are more than a number, in
+    place of which the least value stands."""
 
 
 class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -93,10 +99,11 @@ def read_machine(text: str, source: str) -> MachineFile:
         check_name(name, "the name of a joint", source)
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
     written = {name: _with_units(value, f"{source}: joint {name}") for name, value in raw["joints"].items()}
-    joints = {
-        name: _convert(_in_file_units(value, written[name], length, angle), JointFile, f"[joints.{name}]", source)
-        for name, value in raw["joints"].items()
-    }
+    curves, joints = {}, {}
+    for name, value in raw["joints"].items():
+        value, curves[name] = curved_limits(value, name, (length, angle), f"{source}: joint {name}")
+        plain = _in_file_units(value, written[name], length, angle)
+        joints[name] = _convert(plain, JointFile, f"[joints.{name}]", source)
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
@@ -113,8 +120,10 @@ def read_machine(text: str, source: str) -> MachineFile:
         scale = length if joint.kind == "linear" else angle
         place = f"{source}: joint {name}"
         unit = units.length if joint.kind == "linear" else units.angle
-        check_joint(joint, place, unit, scale)
-        ask_about(joint, place, unit, scale)
+        for figures in (joint, _with_largest(joint, curves[name], scale))[: 1 + bool(curves[name])]:
+            check_joint(figures, place, unit, scale)
+            ask_about(figures, place, unit, scale)
+        check_speeds(curves[name], written[name].get("velocity", joint.velocity * scale), place, (unit, scale))
         check_place(_scaled(joint.point, length), "point", place)
         if joint.kind == "rotary" and "point" not in raw["joints"][name]:
             raise MachineError(
@@ -126,10 +135,16 @@ def read_machine(text: str, source: str) -> MachineFile:
             point=_scaled(joint.point, length),
             **{key: written[name].get(key, getattr(joint, key) * scale) for key in KINDS},
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
+            curves=tuple(curves[name]),
         )
     in_order = _in_columns(raw.get("columns"), joints, source)
     setup = _setup(raw.get("setup", {}), units, source)
     return MachineFile(raw["name"], chain, in_order, raw.get("note", ""), setup)
+
+
+def _with_largest(joint: JointFile, curves: Sequence[CurvedLimit], scale: float) -> JointFile:
+    """The joint with the largest values of its curves, in the unit of the file."""
+    return msgspec.structs.replace(joint, **{curve.kind: curve.largest / scale for curve in curves})
 
 
 def _with_units(raw: object, place: str) -> dict[str, float]:
@@ -196,7 +211,7 @@ def _check_keys(
 def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     if not isinstance(raw, dict):
         raise MachineError(f"{source}: {place} must be a table")
-    fields = msgspec.structs.fields(kind)
+    fields = [field for field in msgspec.structs.fields(kind) if field.name != "curves"]
     _check_keys(
         raw,
         tuple(field.name for field in fields),

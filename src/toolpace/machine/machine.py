@@ -81,6 +81,7 @@ class Machine(ByValue, Posed):
                 [joint.acceleration for joint in values],
                 [joint.jerk for joint in values],
                 geometry.joints,
+                curves=[curve for joint in values for curve in joint.curves],
             ),
             "travel": geometry.travel,
             "wrap": geometry.wrap,
@@ -115,7 +116,7 @@ class Machine(ByValue, Posed):
             raise MachineError(
                 f"unknown machine '{which}'; {hint}built-in: {names}; or give the path of a .toml file"
             ) from None
-        return _built_in(cls, text, which) if path == built_in else cls.from_toml(text, which)
+        return _built_in(text, which) if path == built_in and cls is Machine else cls.from_toml(text, which)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
@@ -177,11 +178,15 @@ class Machine(ByValue, Posed):
             raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
 
-        values = zip(self.file.joints.items(), limits.velocity, limits.acceleration, limits.jerk)
+        limits = limits.constants
+        values = zip(self.file.joints.items(), limits.joints, limits.velocity, limits.acceleration, limits.jerk)
         joints = {
-            name: msgspec.structs.replace(joint, velocity=float(v), acceleration=float(a), jerk=float(j))
-            for (name, joint), v, a, j in values
-        }
+            name: msgspec.structs.replace(
+                joint, velocity=float(v), acceleration=float(a), jerk=float(j),
+                curves=tuple(replace(curve, joint=name) for curve in limits.curves if curve.joint == named),
+            )
+            for (name, joint), named, v, a, j in values
+        }  # fmt: skip
         for name, joint in joints.items():
             before = self.file.joints[name]
             if all(is_usual(joint.kind, kind, getattr(before, kind)) for kind in KINDS):
@@ -251,9 +256,9 @@ class Machine(ByValue, Posed):
 
 
 @functools.cache
-def _built_in(kind: type[Machine], text: str, name: str) -> Machine:
+def _built_in(text: str, name: str) -> Machine:
     """A built-in machine, which is frozen, made once of the text of its file: that takes longer than many a program."""
-    return kind.from_toml(text, name)
+    return Machine.from_toml(text, name)
 
 
 def _exists(path: Path) -> bool:

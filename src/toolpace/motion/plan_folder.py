@@ -124,6 +124,8 @@ class PlanFolder(NamedTuple):
     acceleration: dict[str, float]
     jerk: dict[str, float]
     """Peak value over limit, inf where no number bounds it."""
+    curves: dict[str, float]
+    """The same of limits that fall with the speed, by name."""
 
 
 def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> PlanFolder:
@@ -167,6 +169,7 @@ def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> Plan
             dict(usage["velocity"]),
             dict(usage["acceleration"]),
             jerk,
+            dict(usage.get("curves", {})),
         )
     except (KeyError, TypeError, ValueError, AttributeError):
         raise UsageError(f"{folder}: {PLAN} is not that of a plan; plan again, into a new folder") from None

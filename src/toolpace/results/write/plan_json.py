@@ -40,12 +40,15 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     jerk: dict[str, float | None]
     """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is exceeded.
     0 where the machine has no limit of it."""
+    curves: dict[str, float] = {}
+    """Of limits that fall with the speed of their joint, by name; above stand shares of their largest values."""
 
     @property
     def worst(self) -> float:
         """The largest of all."""
         jerk = (math.inf if value is None else value for value in self.jerk.values())
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *jerk)
+        joints = *self.velocity.values(), *self.acceleration.values(), *jerk
+        return max(self.feed, *joints, *self.curves.values())
 
 
 class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -274,7 +277,9 @@ def usage_record(trajectory: Trajectory) -> UsageRecord:
     """What the motion uses of the limits, at most."""
     usage = trajectory.usage()
     jerk = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
-    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk)
+    curves = {each.name for each in trajectory.limits.constants.curves}
+    of_curves = {name: value for name, value in usage.rows.items() if name in curves}
+    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, of_curves)
 
 
 def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:
