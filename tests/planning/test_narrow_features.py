@@ -48,9 +48,16 @@ def used_about(trajectory: Trajectory, place: float, width: float) -> float:
     return float(max(np.abs(share).max() for share in shares))
 
 
-@pytest.mark.parametrize("mesh", [30, 300, pytest.param(None, marks=pytest.mark.sweep)])
-def test_a_bend_of_any_width_is_planned_for(mesh):
-    for seed in range(24):
+@pytest.mark.parametrize(
+    ("mesh", "seeds"),
+    [
+        (30, range(24)), (300, range(24)), pytest.param(None, range(12), marks=pytest.mark.sweep),
+        pytest.param(None, range(12, 24), marks=pytest.mark.thorough),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_bend_of_any_width_is_planned_for(mesh, seeds):
+    for seed in seeds:
         random = np.random.default_rng([seed, 11])
         joints, width = int(random.integers(1, 5)), 10.0 ** random.uniform(-8.0, -2.0)
         path, place = bend(random, width, joints)
