@@ -1,8 +1,10 @@
 """How long programs take on the real LinuxCNC, and by our model of it; what they ask of the joints there.
 
     python -m testbed.linuxcnc.times [--only NAME...] [--out FILE]
+    python -m testbed.linuxcnc.times --program FILE... [--machine NAME]
 
-All programs take about twenty minutes. Those of LinuxCNC's own examples are where its Debian package puts them.
+All programs take about twenty minutes. Those of LinuxCNC's own examples are where its Debian package puts them. Files
+of one's own are run once, and their rows printed.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismac
 FILES = Path("/usr/share/linuxcnc/ncfiles")
 LINUXCNC = "LinuxCNC's"
 """Whose its own examples are; they take long."""
+OWN = "own"
+"""Whose a file is that was named."""
 FAST, SLOW = 8, 2
 """Times real time."""
 NEEDS_TIME = ("switching", "noise", "surface", "dense")
@@ -65,7 +69,7 @@ class Case:
     @property
     def runs(self) -> int:
         """The quickest counts: where this machine is busy, LinuxCNC waits longer, never less."""
-        return 1 if self.whose == LINUXCNC else 2
+        return 1 if self.whose in (LINUXCNC, OWN) else 2
 
     @property
     def speed(self) -> int:
@@ -133,7 +137,14 @@ def main(arguments: Iterable[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="*", help="names of the programs to run; the table is printed, not written")
     parser.add_argument("--out", type=Path, default=RESULTS)
+    parser.add_argument("--program", nargs="*", type=Path, help="files to run in place of these")
+    parser.add_argument("--machine", default="linuxcnc-xyzac-trt", help="on which these are run")
     given = parser.parse_args(list(arguments))
+    if given.program:
+        machine = Machine.load(given.machine)
+        for file in given.program:
+            print(row(Case(file.name, OWN, file.read_text, machine)), flush=True)
+        return 0
     rows = []
     for case in cases():
         if given.only and case.name not in given.only:
