@@ -1,9 +1,10 @@
 """New feeds of public programs: by air, by what the program teaches, by a limit of the chip.
 
-    python -m benchmarks.cut_feeds PROGRAM... [--way air learned limits]
+    python -m benchmarks.cut_feeds PROGRAM... [--way air learned limits] [--keep FOLDER]
 
 The programs cannot be kept here; each is given by its path, and known by its name (`CASES`, with where it is from). Its
 set-up sheet is in benchmarks/sheets. Writes benchmarks/results/cut_feeds.md; rows of programs that are not given stay.
+Programs with new feeds are kept in a folder, for a control that is there (`python -m testbed.linuxcnc.times --program`).
 """
 
 from __future__ import annotations
@@ -87,8 +88,8 @@ def rules_of(case: Case, way: str) -> FeedRules:
     return FeedRules(way, limits=limits if way == "limits" else {}, not_teaching=case.without_teachers)
 
 
-def measured(program: Path, ways: Sequence[str]) -> Iterator[list[str]]:
-    """A line of the table for each way."""
+def measured(program: Path, ways: Sequence[str], keep: Path | None = None) -> Iterator[list[str]]:
+    """A line of the table for each way; programs with new feeds go into the folder `keep`."""
     case = CASES[program.stem]
     machine = Machine.load(case.machine)
     options = ReadOptions.of(machine, case.controller, SHEETS / f"{program.stem}.toml")
@@ -101,6 +102,8 @@ def measured(program: Path, ways: Sequence[str]) -> Iterator[list[str]]:
             found = new_feeds(str(program), request, rules_of(case, way), True, TimedSteps())
             seconds = time.process_time() - began
             data = found.written.data
+            if keep is not None:
+                (keep / f"{program.stem}-{way}{program.suffix}").write_bytes(data)
             words = [str(found.written.changed), str(found.written.divided)]
             for note in found.plan.notes:
                 print(f"  {program.name}, {way}: {note}", file=sys.stderr)
@@ -142,13 +145,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", nargs="+", type=Path, help=f"files named {', '.join(CASES)}")
     parser.add_argument("--way", nargs="*", default=WAYS, choices=WAYS, help="which feeds (default: all)")
+    parser.add_argument("--keep", type=Path, help="folder for the programs with new feeds")
     asked = parser.parse_args()
     if unknown := [str(each) for each in asked.programs if each.stem not in CASES]:
         parser.error(f"{', '.join(unknown)}: not one of {', '.join(CASES)}")
     warnings.simplefilter("ignore")
     lines = kept()
     for program in asked.programs:
-        for line in measured(program, asked.way):
+        for line in measured(program, asked.way, asked.keep):
             print(" | ".join(line), flush=True)
             lines[line[0], line[1]] = line
             write(lines)
