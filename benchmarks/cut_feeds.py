@@ -4,7 +4,7 @@
 
 The programs cannot be kept here; each is given by its path, and known by its name (`CASES`, with where it is from). Its
 set-up sheet is in benchmarks/sheets. Writes benchmarks/results/cut_feeds.md; rows of programs that are not given stay.
-Programs with new feeds are kept in a folder, for a control that is there (`python -m testbed.linuxcnc.times --program`).
+Programs with new feeds are kept in a folder, for a control (`python -m testbed.linuxcnc.times --program FILE...`).
 """
 
 from __future__ import annotations
