@@ -5,7 +5,7 @@ and the engagement that a plan tells of it, held against sections at stations of
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -79,44 +79,79 @@ def raised_check(judge: CutJudge, raised: Ints) -> Check:
 
 def limit_checks(judge: CutJudge, found: Sequence[Instant]) -> list[Check]:
     """The worst instant of each limit, of all tools."""
-    worst: dict[str, Check] = {}
+    by_name: dict[str, list[Instant]] = {}
     for each in found:
-        for name, limit in judge.promise.limits_of(each.tool).items():
-            value, what = float(each.loads.get(name, 0.0)), f"{name.replace('_', ' ')} of the cut"
-            ok = bool(value <= limit * (1.0 + HELD))
-            check = Check(what, value, limit, UNITS[name], ok, each.time, each.block)
-            if name not in worst or check.ratio > worst[name].ratio:
-                worst[name] = check
-    return list(worst.values())
+        for name in judge.promise.limits_of(each.tool):
+            by_name.setdefault(name, []).append(each)
+    return [limit_check(judge, instants, name) for name, instants in by_name.items()]
+
+
+def limit_check(judge: CutJudge, found: Sequence[Instant], name: str) -> Check:
+    """Whether a limit is held at instants of tools that have it."""
+
+    def share_of(at: Instant) -> float:
+        return float(at.loads.get(name, 0.0)) / judge.promise.limits_of(at.tool)[name]
+
+    worst, share = worst_of(judge, found, share_of, 1.0 + HELD)
+    limit = judge.promise.limits_of(worst.tool)[name]
+    what = f"{name.replace('_', ' ')} of the cut"
+    return Check(what, share * limit, limit, UNITS[name], share <= 1.0 + HELD, worst.time, worst.block)
+
+
+def worst_of(
+    judge: CutJudge, found: Sequence[Instant], value_of: Callable[[Instant], float], most: float
+) -> tuple[Instant, float]:
+    """The instant with the largest value, and that value. Above the most that may be, the least at places within a cell
+    counts: where a cut begins and ends is known to a cell, and there alone a plan may be wrong about it."""
+    values = sorted(((value_of(each), -each.row) for each in found), reverse=True)
+    excused = (0.0, 0)
+    for value, row in values:
+        if value > most:
+            near = judge.rows_near(-row, judge.promise.resolution)
+            value = min(value_of(judge.instant(each)) for each in near)
+            excused = max(excused, (value, row))
+            if value <= most:
+                continue
+        value, row = max((value, row), excused)
+        return judge.instant(-row), value
+    return judge.instant(-excused[1]), excused[0]
 
 
 def air_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     """Whether nothing is cut where the tip is faster than the program's feed; a layer below THIN of a cell is
     nothing."""
-    limit = THIN * judge.promise.resolution
-    worst = Check("cut above the feed", 0.0, limit, "m", True)
-    for each in found:
-        layer = each.loads["layer"]
-        if each.speed > (1.0 + SPEED) * each.feed and layer > worst.value:
-            worst = Check(
-                worst.what, layer, limit, "m", layer <= limit, each.time, each.block, note="layer on the mean"
-            )
-    return worst
+    what, limit = "cut above the feed", THIN * judge.promise.resolution
+
+    def layer_of(at: Instant) -> float:
+        return at.loads["layer"] if raised_at(at) else 0.0
+
+    if not found:
+        return Check(what, 0.0, limit, "m", True)
+    worst, layer = worst_of(judge, found, layer_of, limit)
+    return Check(what, layer, limit, "m", layer <= limit, worst.time, worst.block, note="layer on the mean")
 
 
 def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     """Whether chip, area and edge are all within those of one teacher, wherever the tip is faster than the program's
     feed."""
-    worst = Check("load over its teacher's", 0.0, 1.0 + LEARNED, "", True)
-    for each in found:
-        if each.speed <= (1.0 + SPEED) * each.feed or each.loads["chip"] <= 0.0:
-            continue
-        own = np.array([each.loads[name] for name in ("chip", "area", "edge")])
-        teachers = np.array(judge.promise.teachers.get(each.tool, ())).reshape(-1, 3)
-        share = float((own / teachers).max(axis=1).min(initial=math.inf))
-        if share > worst.value:
-            worst = Check(worst.what, share, worst.limit, "", share <= worst.limit, each.time, each.block)
-    return worst
+    what, limit = "load over its teacher's", 1.0 + LEARNED
+
+    def share_of(at: Instant) -> float:
+        if not raised_at(at) or at.loads["chip"] <= 0.0:
+            return 0.0
+        own = np.array([at.loads[name] for name in ("chip", "area", "edge")])
+        teachers = np.array(judge.promise.teachers.get(at.tool, ())).reshape(-1, 3)
+        return float((own / teachers).max(axis=1).min(initial=math.inf))
+
+    if not found:
+        return Check(what, 0.0, limit, "", True)
+    worst, share = worst_of(judge, found, share_of, limit)
+    return Check(what, share, limit, "", share <= limit, worst.time, worst.block)
+
+
+def raised_at(found: Instant) -> bool:
+    """Whether the tip is faster than the program's feed."""
+    return found.speed > (1.0 + SPEED) * found.feed
 
 
 def speed_check(judge: CutJudge, file: CutFile) -> Check:

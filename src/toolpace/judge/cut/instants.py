@@ -47,6 +47,8 @@ class CutPromise:
     """By tool: chip [m], area of the chips [m2] and length of the edge [m] that places take which teach."""
     resolution: float
     """Size of a cell of the stock that the plan was made with [m]."""
+    margin: float = 0.0
+    """By how much more than the stock its cells may be in material: by one, where it is grown by an uncertainty [m]."""
 
     def limits_of(self, tool: str) -> dict[str, float]:
         """Those of a tool."""

@@ -34,7 +34,7 @@ class Seen(NamedTuple):
     everywhere: Bools
     """(slices, ANGLES) whether it is in material at all places within a cell."""
     anywhere: Bools
-    """(slices, ANGLES) whether at any."""
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise."""
 
 
 def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
@@ -57,11 +57,15 @@ def columns_check(judge: CutJudge, file: File) -> Check:
     there, lean = (each[row - 1] + share * (each[row] - each[row - 1]) for each in (points.tip, points.axis))
     beside = np.stack([points.block[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
     operations = np.stack([judge.operation[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
+    # where a stretch begins its first station may be passed on the way out of a rapid, which no feed limits
+    begins = (file["engagement across"] == 0.0) & (file["engagement along"] == 0.0)
     faults = {
-        "a station is not on the way of the tip": np.linalg.norm(there - tip, axis=1) > PLACE,
+        "a station is not on the way of the tip": np.linalg.norm(there - tip, axis=1) > np.where(
+            begins, judge.promise.resolution, PLACE
+        ),
         "the axis of a station is not that of the motion": np.linalg.norm(lean - axis, axis=1) > TILT,
-        "a station is in another block": (beside != file["station block"]).all(axis=0),
-        "a station is in another operation": (operations != file["station operation"]).all(axis=0),
+        "a station is in another block": (beside != file["station block"]).all(axis=0) & ~begins,
+        "a station is in another operation": (operations != file["station operation"]).all(axis=0) & ~begins,
         "a direction is not that between stations": _off_direction(file, np.cumsum(judge.rapid, dtype=np.int64)[row]),
     }
     for words, wrong in faults.items():
@@ -148,9 +152,9 @@ def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints) -> 
         surface = judge.surface(row)
         for share in (0.02, 0.5, 0.98):
             height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
-            seen = surface.seen_at(surface.shape.length_at(height), ANGLES)
-            everywhere &= seen
-            anywhere |= seen
+            lengths = surface.shape.length_at(height)
+            everywhere &= surface.seen_at(lengths, ANGLES)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin)
     return Seen(everywhere, anywhere)
 
 
@@ -167,6 +171,8 @@ def end_check(judge: CutJudge, file: File, chosen: list[int]) -> Check:
             off = max(min(shares) - told, told - max(shares), 0.0)
             if off <= IMMERSION:
                 break
+        # at the border of what is cut a cell is in or out
+        off -= judge.promise.resolution / max(math.pi * judge.surface(row).shape.flat, judge.promise.resolution)
         if off > worst.value:
             time, block = float(judge.points.t[row]), int(judge.points.block[row])
             worst = Check(worst.what, off, IMMERSION, "", off <= IMMERSION, time, block, note="share of its area")

@@ -118,19 +118,22 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
     from toolpace.judge.cut import CutPromise
     from toolpace.machine.cutting_tool import Coefficients
 
+    cell, stock = 1e-3 * record.resolution_mm, setup.workpiece.stock or toolpath.workpiece.stock
     return CutPromise(
         feeds=record.feeds,
-        stock=_largest_stock(setup.workpiece.stock or toolpath.workpiece.stock, machine, setup),
+        stock=_largest_stock(stock, machine, setup, cell),
         tools=[setup.figures_of(each.tool) or each.figures for each in toolpath.operations],
         limits=record.limits,
         coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
         teachers=record.teachers,
-        resolution=1e-3 * record.resolution_mm,
+        resolution=cell,
+        margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
     )
 
 
-def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp) -> Stock | None:
-    """A stock with its uncertainty, as the judge takes it; None of one that is not told, or a guess."""
+def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp, cell: float) -> Stock | None:
+    """A stock with its uncertainty, as the judge takes it with a margin of a cell [m]; None of one that is not told, or
+    a guess."""
     from toolpace.cutting.stock.solids import body_of
     from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
 
@@ -141,7 +144,7 @@ def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp) -
         return box_stock(*body.box, stock.uncertainty)
     if body.cylinder is not None:
         return cylinder_stock(*body.cylinder, stock.uncertainty)
-    return MeshStock(body.triangles(), stock.uncertainty)
+    return MeshStock(body.triangles(), stock.uncertainty, cell)
 
 
 def write_cut(path: Path, data: bytes) -> None:
