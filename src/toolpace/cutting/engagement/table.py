@@ -46,3 +46,7 @@ class EngagementTable:
     """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
     of them within material to its surface. They remove nothing themselves; what they met is removed at the end of a
     stretch, so that a collision is told once and with its whole depth. (0, 2) where it was not looked for."""
+    chip_share: Floats = field(default_factory=lambda: np.zeros(0))
+    """(n,) thickest chip over the feed per tooth of even teeth: how far the surface moves outward in material at most,
+    over the way of the tip. It is looked for up to where material ends, which arcs tell to half a slice only. (0,)
+    where it was not looked for, 0 where the tip stands."""

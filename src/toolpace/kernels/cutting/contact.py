@@ -73,13 +73,19 @@ def depth_on(
     )
 
 
+@jit(inline=True)
+def motion_outward(pose: Floats, z: float, radius: float, across: float, along: float) -> tuple[float, float, float]:
+    """How far the surface of a slice moves outward: a constant, and what goes with cosine and sine of the angle."""
+    lever = z * across - radius * along
+    cosine = across * pose[MOTION, 0] - lever * pose[TURNING, 1]
+    sine = across * pose[MOTION, 1] + lever * pose[TURNING, 0]
+    return along * pose[MOTION, 2], cosine, sine
+
+
 @jit()
 def outward(pose: Floats, z: float, radius: float, across: float, along: float) -> tuple[float, float]:
     """Between which angles a slice moves outward; the second is not above the first where it does not."""
-    lever = z * across - radius * along
-    constant = along * pose[MOTION, 2]
-    cosine = across * pose[MOTION, 0] - lever * pose[TURNING, 1]
-    sine = across * pose[MOTION, 1] + lever * pose[TURNING, 0]
+    constant, cosine, sine = motion_outward(pose, z, radius, across, along)
     size = math.sqrt(cosine * cosine + sine * sine)
     total = abs(pose[MOTION, 0]) + abs(pose[MOTION, 1]) + abs(pose[MOTION, 2])
     total += z * (abs(pose[TURNING, 0]) + abs(pose[TURNING, 1]))
@@ -89,6 +95,52 @@ def outward(pose: Floats, z: float, radius: float, across: float, along: float) 
         return 0.0, TURN
     middle, half = math.atan2(sine, cosine), math.acos(-constant / size)
     return middle - half, middle + half
+
+
+@jit()
+def farthest_outward(pose: Floats, slices: Slices, j: int, entry: float, leave: float) -> tuple[float, float]:
+    """The angle of an arc of slice j at which the surface moves outward the farthest, and how far."""
+    constant, cosine, sine = motion_outward(pose, slices.z[j], slices.radius[j], slices.across[j], slices.along[j])
+    crest = math.atan2(sine, cosine)
+    crest += TURN * round((0.5 * (entry + leave) - crest) / TURN)
+    phi = min(max(crest, entry), leave)
+    return phi, constant + cosine * math.cos(phi) + sine * math.sin(phi)
+
+
+@jit()
+def height_of_border(
+    field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
+) -> float:
+    """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
+    inside, outside, ahead = 0.0, 1.0, 0
+    for _ in range(HALVINGS):
+        share = 0.5 * (inside + outside)
+        z = slices.z[j] + share * (slices.z[k] - slices.z[j])
+        radius = slices.radius[j] + share * (slices.radius[k] - slices.radius[j])
+        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
+        if depth > 0.0:
+            inside = share
+        else:
+            outside = share
+    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
+    return height
+
+
+@jit()
+def outward_up_to_border(
+    field: Field, pose: Floats, slices: Slices, j: int, phi: float, far: float, most: float
+) -> float:
+    """How far the surface moves outward at an angle of slice j, or between it and one beside it, up to where material
+    ends: of a ball the thickest chip is at the upper border of its cut, which is seldom the middle of a slice."""
+    for k in range(max(j - 1, 0), min(j + 1, len(slices.z) - 1) + 1):
+        if k == j:
+            continue
+        beside = farthest_outward(pose, slices, k, phi, phi)[1]
+        if beside > far:
+            border = height_of_border(field, pose, slices, j, k, phi, most)
+            here = farthest_outward(pose, slices, j, phi, phi)[1]
+            far = max(far, here + (border - slices.z[j]) / (slices.z[k] - slices.z[j]) * (beside - here))
+    return far
 
 
 @jit()
@@ -184,35 +236,19 @@ def flat_contact(
 
 
 @jit()
-def height_of_border(
-    field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
-) -> float:
-    """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
-    inside, outside, ahead = 0.0, 1.0, 0
-    for _ in range(HALVINGS):
-        share = 0.5 * (inside + outside)
-        z = slices.z[j] + share * (slices.z[k] - slices.z[j])
-        radius = slices.radius[j] + share * (slices.radius[k] - slices.radius[j])
-        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
-        if depth > 0.0:
-            inside = share
-        else:
-            outside = share
-    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
-    return height
-
-
-@jit()
 def contact(
     field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
     least: float,
-) -> tuple[int, float, float, float]:
-    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end."""
+) -> tuple[int, float, float, float, float]:
+    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end, and
+    how far its surface moves outward in material at most, over the way of the tip."""
     last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
     low_phi, high_phi = 0.0, 0.0
     # of the highest slice so far: width in its middle, and by how much it is wider in the middle of the next one
     width, middle, growth = 0.0, 0.0, 0.0
+    # where the surface moves outward the farthest
+    farthest, steepest, steepest_phi = 0.0, -1, 0.0
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
@@ -229,6 +265,9 @@ def contact(
                     right = -1.0
                 if b >= TURN:
                     left = 1.0
+                angle, far = farthest_outward(pose, slices, j, a, b)
+                if far > farthest:
+                    farthest, steepest, steepest_phi = far, j, angle
             middle = slices.radius[j] * (left - right)
             width = max(width, middle)
             # where it reaches the side of the tool, it grows with the tool
@@ -248,4 +287,8 @@ def contact(
     if slices.flat > 0.0:
         flat, left, right = flat_contact(field, pose, slices.flat, cell, least)
         width = max(width, left - right)
-    return count, width, depth, flat
+    step = math.sqrt(pose[MOTION, 0] ** 2 + pose[MOTION, 1] ** 2 + pose[MOTION, 2] ** 2)
+    if steepest < 0 or step == 0.0:
+        return count, width, depth, flat, 0.0
+    farthest = outward_up_to_border(field, pose, slices, steepest, steepest_phi, farthest, most)
+    return count, width, depth, flat, farthest / step
