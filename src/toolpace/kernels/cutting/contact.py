@@ -31,6 +31,15 @@ FULL = 1.0 - 1e-9
 """Share of the radius from which a cut reaches the side of the tool."""
 SURE = 0.5
 """Share of a depth within which there is no border."""
+SUDDEN = 1.15
+"""By what factor an arc may shrink more from one slice to the next than before, where its ends meet in a corner:
+below a round top it is 1.3 and more."""
+FADES = 0.25
+"""Share of the second difference of three widths that counts above the last: towards a corner they bend less."""
+EDGE = 0.2
+"""Slices by which an edge of the stock is taken to be higher than it is seen: rays see edges too low."""
+ABOVE = 1.5
+"""Slices above the last arc within which its ends are thought to meet."""
 
 
 class Slices(NamedTuple):
@@ -236,6 +245,50 @@ def flat_contact(
 
 
 @jit()
+def arc_holding(arcs: Arcs, first: int, count: int, j: int, phi: float) -> int:
+    """The arc of slice j that holds an angle, from the first of a pose; -1: there is none."""
+    for k in range(first, count):
+        if arcs.slice[k] == j and (phi - arcs.entry[k]) % TURN <= arcs.exit[k] - arcs.entry[k]:
+            return k
+    return -1
+
+
+@jit()
+def outward_at_corner(pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, top: int) -> float:
+    """How far the surface moves outward where both ends of an arc meet in a corner above it; 0 where they do not.
+
+    The ends of this and of the two arcs below it are continued: at an edge of the stock, where one surface ends at
+    another, the thickest chip of a ball is in that corner.
+    """
+    j, middle = arcs.slice[top], 0.5 * (arcs.entry[top] + arcs.exit[top])
+    one = arc_holding(arcs, first, count, j - 1, middle)
+    two = arc_holding(arcs, first, count, j - 2, middle)
+    if one < 0 or two < 0 or j + 1 == len(slices.z) or arc_holding(arcs, first, count, j + 1, middle) >= 0:
+        return 0.0
+    width = arcs.exit[top] - arcs.entry[top]
+    width_one, width_two = arcs.exit[one] - arcs.entry[one], arcs.exit[two] - arcs.entry[two]
+    shrinks, before = width_one - width, width_two - width_one
+    if shrinks <= 0.0 or shrinks > SUDDEN * before:
+        return 0.0
+    # by slices above the arc: width - shrinks x + bend x (x + 1) / 2 = 0
+    bend = FADES * (before - shrinks)
+    slope = shrinks - 0.5 * bend
+    square = slope * slope - 2.0 * bend * width
+    if square < 0.0:
+        return 0.0
+    x = 2.0 * width / (slope + math.sqrt(square)) + EDGE
+    if x > ABOVE:
+        return 0.0
+    end = arcs.exit[top]
+    end_one = arcs.exit[one] + TURN * round((end - arcs.exit[one]) / TURN)
+    end_two = arcs.exit[two] + TURN * round((end - arcs.exit[two]) / TURN)
+    phi = end + x * (end - end_one) + 0.5 * x * (x + 1.0) * (end - 2.0 * end_one + end_two)
+    here = farthest_outward(pose, slices, j, phi, phi)[1]
+    far: float = here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here)
+    return far
+
+
+@jit()
 def contact(
     field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
     least: float,
@@ -248,7 +301,7 @@ def contact(
     # of the highest slice so far: width in its middle, and by how much it is wider in the middle of the next one
     width, middle, growth = 0.0, 0.0, 0.0
     # where the surface moves outward the farthest
-    farthest, steepest, steepest_phi = 0.0, -1, 0.0
+    farthest, steepest, steepest_phi, begin = 0.0, -1, 0.0, count
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
@@ -267,7 +320,7 @@ def contact(
                     left = 1.0
                 angle, far = farthest_outward(pose, slices, j, a, b)
                 if far > farthest:
-                    farthest, steepest, steepest_phi = far, j, angle
+                    farthest, steepest, steepest_phi = far, k, angle
             middle = slices.radius[j] * (left - right)
             width = max(width, middle)
             # where it reaches the side of the tool, it grows with the tool
@@ -290,5 +343,9 @@ def contact(
     step = math.sqrt(pose[MOTION, 0] ** 2 + pose[MOTION, 1] ** 2 + pose[MOTION, 2] ** 2)
     if steepest < 0 or step == 0.0:
         return count, width, depth, flat, 0.0
-    farthest = outward_up_to_border(field, pose, slices, steepest, steepest_phi, farthest, most)
+    j = arcs.slice[steepest]
+    farthest = outward_up_to_border(field, pose, slices, j, steepest_phi, farthest, most)
+    # only where the tool widens upwards more is taken there
+    if j > 1 and slices.across[j - 1] < slices.across[j]:
+        farthest = max(farthest, outward_at_corner(pose, slices, arcs, begin, count, steepest))
     return count, width, depth, flat, farthest / step
