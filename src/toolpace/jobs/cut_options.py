@@ -91,9 +91,9 @@ class CutOptions:
         with steps.step("planning within the cut") as step:
             learns = self.rules.way == "learned"
             reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            rules = replace(self.rules.for_machine(job.machine), spindle=job.options.setup.spindle)
             found = plan_within_cut(
-                toolpath, job.machine, job.options.setup, self.rules.for_machine(job.machine), job.tip_tolerance,
-                job.axis_tolerance,
+                toolpath, job.machine, job.options.setup, rules, job.tip_tolerance, job.axis_tolerance,
                 effort=effort_for(job.effort, job.planner), planner=job.planner, margin=self.margin,
                 resolution=self.resolution, memory=self.memory, reached=reached, progress=step,
             )  # fmt: skip
