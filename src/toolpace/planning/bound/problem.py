@@ -17,7 +17,7 @@ from toolpace.planning.optimal.solve import relief_of
 
 START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
-LEAST_ROOM = 0.1
+LEAST_ROOM = 0.7
 """Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
 other side, where it is held as well."""
 SETTLE_KNOTS = 30
