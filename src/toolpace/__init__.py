@@ -49,11 +49,13 @@ if TYPE_CHECKING:
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
-    from toolpace.machine.file import ChainFile, JointFile, MachineFile
+    from toolpace.machine.dynamics import Dynamics, Link, TorqueTerms
+    from toolpace.machine.file import ChainFile, JointFile, MachineFile, WorkpieceFile
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.machine.rows import Rows
+    from toolpace.machine.torques import torque_rows
     from toolpace.motion import Motion, Usage
     from toolpace.motion.active_limits import ActiveLimits, ActiveStretch
     from toolpace.motion.laws import Probe, TimeLaw
@@ -113,6 +115,7 @@ __all__ = [
     "Cutter",
     "CuttingForces",
     "CuttingTool",
+    "Dynamics",
     "EndState",
     "EngagedDeflection",
     "EngagedForces",
@@ -132,6 +135,7 @@ __all__ = [
     "LeftAbovePart",
     "LeftRegion",
     "Limits",
+    "Link",
     "Machine",
     "MachineFile",
     "Material",
@@ -180,12 +184,14 @@ __all__ = [
     "ToolProfile",
     "ToolRule",
     "ToolpaceError",
+    "TorqueTerms",
     "Trajectory",
     "UnitWarning",
     "Usage",
     "Verification",
     "Workers",
     "WorkpieceFigures",
+    "WorkpieceFile",
     "Zone",
     "__version__",
     "apply_feed",
@@ -206,6 +212,7 @@ __all__ = [
     "report",
     "search_setup",
     "simulate_cut",
+    "torque_rows",
     "verify",
     "with_engaged_deflection",
     "write_set_up",
@@ -235,6 +242,7 @@ _HOME = {
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
+    "Dynamics": "machine.dynamics",
     "EndState": "planning.planned_run",
     "EngagedDeflection": "machine.cutting_tool",
     "EngagedForces": "cutting.forces.engaged",
@@ -254,6 +262,7 @@ _HOME = {
     "LeftAbovePart": "cutting.simulation.left_above_part",
     "LeftRegion": "cutting.simulation.left_above_part",
     "Limits": "machine.limits",
+    "Link": "machine.dynamics",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
     "Material": "cutting.forces.material",
@@ -302,12 +311,14 @@ _HOME = {
     "ToolProfile": "cutting.tool_profile",
     "ToolRule": "programs.reading.controllers.tool_rules",
     "ToolpaceError": "common.errors",
+    "TorqueTerms": "machine.dynamics",
     "Trajectory": "motion.trajectory",
     "UnitWarning": "common.errors",
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
     "WorkpieceFigures": "programs.stock_figures",
+    "WorkpieceFile": "machine.file",
     "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
@@ -326,6 +337,7 @@ _HOME = {
     "report": "results.report",
     "search_setup": "setup_search.search",
     "simulate_cut": "cutting.simulation",
+    "torque_rows": "machine.torques",
     "verify": "judge",
     "with_engaged_deflection": "cutting.forces.engaged_deflection",
     "write_set_up": "results.write.set_up_folder",

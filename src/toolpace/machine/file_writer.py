@@ -13,7 +13,7 @@ from toolpace.common.errors import printable
 from toolpace.common.files.toml import toml_value
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
-from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
+from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
@@ -54,6 +54,9 @@ def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
     lines += _chain(file, LENGTHS[length])
     for name in order:
         lines += [("", ""), *_joint(file, name, length, angle, leanings.get(name, ""))]
+    if file.workpiece is not None:
+        lines += [("", ""), ("[workpiece]", f"the part with its fixture, on {['the bed', *file.chain.workpiece][-1]}")]
+        lines += _body(file.workpiece, LENGTHS[length])
     return "".join(_laid_out(lines))
 
 
@@ -61,7 +64,8 @@ def units_of(file: MachineFile) -> tuple[str, str]:
     """The units of length and angle in which the figures of a machine are exact and shortest."""
     chain, joints = file.chain, list(file.joints.values())
     points = [*chain.spindle_nose, *chain.workpiece_origin, chain.tool_length]
-    lengths = points + [figure for joint in joints for figure in joint.point]
+    points += file.workpiece.centre if file.workpiece is not None else ()
+    lengths = points + [figure for joint in joints for figure in (*joint.point, *joint.centre)]
     lengths += [figure for joint in joints if joint.kind == "linear" for figure in _motion(joint)]
     angles = [figure for joint in joints if joint.kind == "rotary" for figure in _motion(joint)]
     return _shortest(lengths, LENGTH_ORDER, LENGTHS), _shortest(angles, ANGLE_ORDER, ANGLES)
@@ -135,6 +139,8 @@ def _chain(file: MachineFile, scale: float) -> Iterator[Line]:
     if chain.tool_axis != (0.0, 0.0, 1.0):
         yield f"tool_axis = {_figures(chain.tool_axis)}", "from the tip to the spindle"
     yield f"tool_length = {_figure(chain.tool_length, scale)}", "from the nose to the tip"
+    if chain.gravity != GRAVITY:
+        yield f"gravity = {_figures(chain.gravity)}", "m/s^2"
 
 
 def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) -> Iterator[Line]:
@@ -157,6 +163,29 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     yield f"velocity = {_figure(joint.velocity, scale)}", f"{unit}/s{_a_minute(joint.velocity / scale, unit)}"
     yield f"acceleration = {_figure(joint.acceleration, scale)}", f"{unit}/s^2"
     yield f"jerk = {_figure(joint.jerk, scale)}", f"{unit}/s^3"
+    per = "N m" if rotary else "N"
+    for limit, what in ((joint.force, "force"), (joint.torque, "torque")):
+        if limit is not None:
+            yield f"{what} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    yield from _body(joint, LENGTHS[length])
+    for figure, what, comment in (
+        (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
+        (joint.viscous_friction, "viscous_friction", f"{per} {'s/rad' if rotary else 's/m'}"),
+        (joint.dry_friction, "dry_friction", per),
+        (joint.balance, "balance", f"{per}, forwards, by a counterweight"),
+    ):
+        if figure:
+            yield f"{what} = {_figure(figure)}", comment
+
+
+def _body(body: JointFile | WorkpieceFile, scale: float) -> Iterator[Line]:
+    """Mass, centre and inertia, where there are any."""
+    if body.mass or isinstance(body, WorkpieceFile):
+        yield f"mass = {_figure(body.mass)}", "kg"
+    if body.centre != (0.0, 0.0, 0.0):
+        yield f"centre = {_figures(body.centre, scale)}", "of the mass, every joint at zero"
+    if any(body.inertia):
+        yield f"inertia = {_figures(body.inertia)}", f"kg m^2 about it, xx yy zz{' xy xz yz' * (len(body.inertia) > 3)}"
 
 
 def _carried(file: MachineFile, name: str) -> str:

@@ -23,6 +23,7 @@ from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_betwe
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.plausibility import ask_about, check_chain, is_usual
+from toolpace.machine.torques import machine_torques
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
 
@@ -80,6 +81,7 @@ class Machine(ByValue, Posed):
                 [joint.acceleration for joint in values],
                 [joint.jerk for joint in values],
                 geometry.joints,
+                machine_torques(self.file, self.source or self.file.name),
             ),
             "travel": geometry.travel,
             "wrap": geometry.wrap,

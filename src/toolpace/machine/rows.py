@@ -31,12 +31,13 @@ STEP = 3e-3
 power, rounding with its inverse third."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Rows:
     """`count` rows of one limit along a path: |row| <= limit at any time, for each of them.
 
     Of acceleration: c1 z' + c0 z, with z = (ds/dt)^2. Of jerk: (c2 z'' + c1 z' + c0 z) sqrt(z). Raises UsageError for
-    a limit that is no positive number, and where the function gives something else than it should.
+    a limit that is no positive number, and where the function gives something else than it should. Equal are rows of
+    equal figures and of the same functions.
     """
 
     name: str
@@ -55,7 +56,7 @@ class Rows:
     quantity: Callable[[Floats], npt.ArrayLike] | None = None
     """What it is the acceleration or jerk of, (n, count) of positions (n, joints), where that is so: the judge
     differences it over time."""
-    _lock: Lock = field(default_factory=Lock, init=False)
+    _lock: Lock = field(default_factory=Lock, init=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.kind not in ORDERS:
