@@ -12,7 +12,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
@@ -151,7 +151,7 @@ def limit_in_words(name: str) -> str:
     kind, _, joint = name.partition(" ")
     if name == "nothing":
         return "no limit reached"
-    return f"{kind} of {joint}" if kind in KINDS else name
+    return f"{kind} of {joint}" if kind in (*KINDS, *MOTORS) else name
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -191,6 +191,9 @@ def usage_table(record: PlanRecord) -> Table:
         table.add_column(joint, justify="right", no_wrap=True, min_width=6)
     for kind, values in kinds.items():
         table.add_row(kind, *(_percent(value) for value in values.values()))
+    if usage.motor:
+        of_motors = (_percent(usage.motor[joint]) if joint in usage.motor else Text("-") for joint in usage.velocity)
+        table.add_row("torque, force", *of_motors)
     if usage.feed > 0.0:
         table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
     return table
@@ -201,7 +204,8 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
     up in a line."""
     if not record.prices_s:
         return
-    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in KINDS}
+    kinds = (*KINDS, *MOTORS)
+    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
     headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
     table = new_table(headings, left=("limit",))
     dear = {name: gain for name, gain in record.prices_s.items() if gain >= LEAST_PRICE * record.duration_s}
@@ -307,10 +311,12 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     _head(console, machine)
-    headings = ("joint", "travel", "velocity", "acceleration", "jerk")
+    table_rows = machine.summary()
+    motors = [kind for kind in MOTORS if any(kind in row for row in table_rows)]
+    headings = ("joint", "travel", "velocity", "acceleration", "jerk", *motors)
     table = new_table(headings, left=("joint",))
-    for row in machine.summary():
-        table.add_row(*cells(row[heading] for heading in headings))
+    for row in table_rows:
+        table.add_row(*cells(row.get(heading, "-") for heading in headings))
     console.print(table)
 
 

@@ -15,6 +15,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
 from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
+from toolpace.machine.limits import MOTORS
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
 """Units to write in: of those in which the figures are equally short, the first."""
@@ -222,7 +223,8 @@ def listed(names: Iterable[str]) -> str:
 
 
 def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
-    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits."""
+    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits; force or torque
+    where its motor has a limit."""
     table = []
     for name, joint in file.joints.items():
         unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
@@ -240,6 +242,9 @@ def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
                 "jerk": f"{joint.jerk * scale:g} {unit}/s^3",
             }
         )
+        if math.isfinite(joint.most_torque):
+            turns = joint.kind == "rotary"
+            table[-1][MOTORS[turns]] = f"{joint.most_torque:g} {('N', 'N m')[turns]}"
     return table
 
 

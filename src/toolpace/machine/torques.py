@@ -14,6 +14,7 @@ from toolpace.common.arrays import Floats, numbers
 from toolpace.common.errors import MachineError, UsageError
 from toolpace.machine.dynamics import Dynamics, TorqueTerms
 from toolpace.machine.file import MachineFile
+from toolpace.machine.limits import MOTORS
 from toolpace.machine.rows import Rows
 
 ROUNDING = 1e-6
@@ -45,7 +46,7 @@ def torque_rows(
     shared = _Shared(dynamics if isinstance(dynamics, Dynamics) else _Fitted(dynamics))
     rows = []
     for k in np.flatnonzero(np.isfinite(limit)).tolist():
-        name, unit = ("force", "N") if linear[k] else ("torque", "N m")
+        name, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
         function = _JointTorque(shared, k, joints[k], float(limit[k]), float(fastest[k]))
         rows.append(Rows(f"{name} {joints[k]}", unit, float(limit[k]), function))
     return tuple(rows)

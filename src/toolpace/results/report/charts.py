@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.limits import KINDS, MOTORS, Limits
 from toolpace.motion.sampling import each_block
 from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.motion.trajectory import Trajectory
@@ -245,7 +245,7 @@ def extremes(values: Floats, most: int = POINTS) -> Floats:
 
 def limit_names(joints: tuple[str, ...]) -> list[str]:
     """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..."""
-    return ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in joints)]
+    return ["feed", *(f"{kind} {joint}" for kind in (*KINDS, *MOTORS) for joint in joints)]
 
 
 def binding(trajectory: Trajectory, t: Floats) -> Ints:
@@ -254,9 +254,14 @@ def binding(trajectory: Trajectory, t: Floats) -> Ints:
     motion = trajectory.at(t)
     limits = trajectory.limits
     shares = [np.abs(v) / getattr(limits, kind) for v, kind in zip((motion.qd, motion.qdd, motion.qddd), KINDS)]
-    ratios = np.column_stack((_feed_share(trajectory, t), *shares))
+    names = limit_names(trajectory.joints)
+    moment, state = np.stack([motion.q, motion.qd, motion.qdd, motion.qddd]), np.zeros((4, len(t)))
+    state[1] = 1.0  # with the time as the parameter of the path
+    motors = {names.index(rows.name): rows.ratio(moment, state) for rows in limits.rows if rows.name in names}
+    ratios = np.column_stack((_feed_share(trajectory, t), *shares, *motors.values()))
+    number = np.append(np.arange(1 + len(KINDS) * len(limits)), list(motors)).astype(np.int64)
     most = ratios.argmax(axis=1)
-    found: Ints = np.where(ratios[np.arange(len(t)), most] >= BINDING, most, NOTHING)
+    found: Ints = np.where(ratios[np.arange(len(t)), most] >= BINDING, number[most], NOTHING)
     return found
 
 

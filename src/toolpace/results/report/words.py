@@ -5,7 +5,7 @@ from __future__ import annotations
 import colorsys
 import math
 
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limits import KINDS, MOTORS
 
 WORTH_A_WORD = 1e-3
 """Gap from which its largest parts are located."""
@@ -21,7 +21,7 @@ NEUTRAL = "#c3c9d2"
 """Colour of what is no limit."""
 _JOINTS = ("#2f6fed", "#f0862b", "#8a4fd8", "#d6336c", "#0c9bb3", "#7a8a1a", "#8c5a3c", "#56657a")
 """Colours of the joints, in turn."""
-_LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0}
+_LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0, "force": 0.16, "torque": 0.16}
 """How much white is mixed into the colour of a joint's limit."""
 
 
@@ -34,7 +34,7 @@ def colours(joints: tuple[str, ...]) -> dict[str, str]:
     """Name of each limit to its colour: the hue says which joint, the paleness which kind (jerk is the
     strongest)."""
     found = {"feed": FEED}
-    for kind in KINDS:
+    for kind in (*KINDS, *MOTORS):
         for j, joint in enumerate(joints):
             found[f"{kind} {joint}"] = _paler(joint_colour(j), _LIGHTER[kind])
     return found
@@ -52,7 +52,7 @@ def limit_words(name: str) -> str:
     whole = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
     of_cut = name.capitalize()
-    return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in KINDS else of_cut)
+    return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in (*KINDS, *MOTORS) else of_cut)
 
 
 def percent(share: float) -> str:
