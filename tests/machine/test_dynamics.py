@@ -165,3 +165,17 @@ def test_mistakes_in_dynamics_are_told():
     ):
         with pytest.raises(UsageError, match=message):
             wrong()
+
+
+def test_another_part_on_the_table():
+    machine = heavy_machine()
+    part = machine.file.workpiece
+    assert machine.with_workpiece(part.mass, part.centre, part.inertia) == machine
+    heavier = machine.with_workpiece(40.0, (0.1, 0.0, 0.1))
+    q = np.zeros((1, 5))
+    tilted = q + 0.5 * (np.arange(5) == machine.joints.index("A"))
+    assert abs(heavier.dynamics(tilted, q, q) - machine.dynamics(tilted, q, q))[0, machine.joints.index("A")] > 1.0
+    with pytest.raises(MachineError, match="with_workpiece: mass = -1 kg"):
+        machine.with_workpiece(-1.0, (0, 0, 0))
+    with pytest.raises(UsageError, match="with_workpiece: centre has shape"):
+        machine.with_workpiece(1.0, (0, 0))
