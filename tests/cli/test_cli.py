@@ -47,7 +47,7 @@ def test_plan_writes_the_contract(planned):
     assert 0.99 < max(peaks) <= PROMISED
     assert abs(sum(plan["limited_by"].values()) - 1.0) < 1e-6
     assert plan["tip_deviation_mm"] <= 0.01 and plan["axis_deviation_deg"] <= 0.05
-    assert set(plan["step_s"]) >= {"reading", "fitting", "planning", "sampling", "verifying", "writing"}
+    assert set(plan["step_s"]) >= {"reading", "fitting", "planning", "bounding", "sampling", "verifying", "writing"}
     assert plan["verified"] is True
 
 
@@ -95,7 +95,7 @@ def test_summary_is_for_machinists(planned, capsys):
     code = main(["plan", str(planned / "blade.ngc"), "-m", "xyzac-trunnion", "--out", str(out), "--no-report"])
     output = capsys.readouterr().out
     assert code == 0
-    for step in ("reading", "fitting", "planning", "sampling", "verifying", "writing"):
+    for step in ("reading", "fitting", "planning", "bounding", "sampling", "verifying", "writing"):
         assert re.search(rf"^{step} +\d[\d.]* m?s", output, re.MULTILINE)
     assert re.search(r"duration +\d\.\d\d s *\n", output)
     assert re.search(r"limited by +\w+.* \d+ %", output)

@@ -16,8 +16,8 @@ from toolpace.programs.tool_figures import ToolFigures
 manifold3d = pytest.importorskip("manifold3d")
 FACETS = 64
 LOW, HIGH = np.array([-0.012, -0.012, -0.012]), np.array([0.012, 0.012, 0.0])
-SLOPES = 16
-"""Steps of a rounded profile."""
+SLOPES = 48
+"""Steps of a rounded profile: with 16 of them a ball is half a percent smaller than it should be."""
 
 
 def outline(profile: ToolProfile) -> np.ndarray:
@@ -99,5 +99,5 @@ def test_the_volume_of_a_sweep_is_that_of_exact_booleans(seed):
 
 @pytest.mark.thorough
 def test_the_volumes_of_200_sweeps_are_those_of_exact_booleans():
-    found = np.array([compared(seed, 161) for seed in range(200)])
+    found = np.array([compared(seed, 321) for seed in range(200)])
     assert np.abs(found[:, 1:] - 1.0).max() < 0.005

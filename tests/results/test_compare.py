@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
 from types import SimpleNamespace
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -61,6 +63,14 @@ def test_times_add_up_by_operation_and_by_limit(plans):
         assert sum(row[1][k] for row in found.limits) == pytest.approx(time, rel=1e-6)
         said = json.loads((found.folders[k] / "plan.json").read_text())["limited_by"]
         assert {name: times[k] for name, times in found.limits}["feed"] == pytest.approx(said["feed"] * time)
+
+
+def test_prices_stand_side_by_side_where_a_plan_has_them(plans):
+    found = compared([plans / "wide", plans / "tight"])
+    assert "1 % more" not in comparison_page(found)
+    priced = msgspec.structs.replace(found.records[1], prices_s={"jerk C": 0.02})
+    shown = comparison_page(dataclasses.replace(found, records=(found.records[0], priced)))
+    assert re.search(r"1 % more of a limit.*Jerk of C</td><td class=n>-?</td><td class=n>20 ms<", shown, re.DOTALL)
 
 
 def test_the_terminal_and_the_page(plans, tmp_path, capsys):

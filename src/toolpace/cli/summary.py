@@ -16,7 +16,7 @@ from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
-from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap
+from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap, savings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -37,8 +37,6 @@ SHOWN = 6
 """How many limits are named."""
 SENTENCES = 12
 """How many operations, and how many assumptions, are listed."""
-LEAST_PRICE = 5e-5
-"""Share of the duration that one percent more of a limit must save for it to be listed."""
 LEAST_UNSURE = 0.05
 """Time that depends on where the stock ends from which it is shown [s]."""
 FULL = 0.999
@@ -208,12 +206,9 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
     now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
     headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
     table = new_table(headings, left=("limit",))
-    dear = {name: gain for name, gain in record.prices_s.items() if gain >= LEAST_PRICE * record.duration_s}
-    for name, gain in dear.items():
-        share = gain / record.duration_s
-        # as if the time went with a power of the limit: exact where one limit holds all of the motion
-        tenfold = 1.0 - 1.1 ** (-share / 0.01)
-        shown = (f"{format_time(part * record.duration_s)}, {100.0 * part:.2f} %" for part in (share, tenfold))
+    dear = savings(record.prices_s, record.duration_s)
+    for name, saved in dear.items():
+        shown = (f"{format_time(time)}, {100.0 * time / record.duration_s:.2f} %" for time in saved)
         table.add_row(*cells([limit_in_words(name), now.get(name, "of the program"), *shown]))
     console.print("\nmore of one limit, on this path, all others as they are")
     console.print(table)

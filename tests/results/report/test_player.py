@@ -138,6 +138,21 @@ def test_it_plays_and_is_played_by_keys(planned):
         assert page.run("toolpace.state().playing") is True
         press("Space")
         assert page.run("toolpace.state().playing") is False
+        # the clock takes a time or a line, and says what is neither
+        at = page.page.locator("#at")
+        for words, line, t in (("0.25", None, 0.25), ("line 6", 6, None), ("0:00.5", None, 0.5)):
+            press("g")
+            at.fill(words)
+            press("Enter")
+            assert line in (None, page.run("toolpace.state().line"))
+            assert t in (None, page.run("toolpace.state().t"))
+        for words in ("line 2000", "1:02:03", "soon"):
+            press("g")
+            at.fill(words)
+            press("Enter")
+            assert at.get_attribute("class") == "bad" and page.run("toolpace.state().t") == 0.5
+            press("Escape")
+        assert at.input_value() == "0.500 s" and at.get_attribute("class") == ""
         # the view in space has keys of its own, and what is folded opens by space
         page.page.locator("#space canvas").focus()
         before, t = page.run("toolpace.onScreen([0, 0, 0])"), page.run("toolpace.state().t")

@@ -194,6 +194,16 @@ def test_curves_are_the_same_in_blocks_of_any_length(monkeypatch, points):
     assert found[0].length == pytest.approx(found[1].length, rel=1e-12) and found[0].length > 0.0
 
 
+def test_prices_are_a_table_of_what_is_worth_a_row():
+    """Ten percent more of a limit that holds all of the motion: the time goes with its power."""
+    machine = tp.Machine.load("xyzac-trunnion")
+    prices = {"jerk C": 0.1, "feed": 0.05, "velocity X": 1e-7}
+    shown = page._prices(SimpleNamespace(prices_s=prices), 30.0, machine)
+    assert shown.index("Jerk of C") < shown.index("Programmed feed") and "Velocity of X" not in shown
+    assert f"{3e4 * (1.0 - 1.1 ** (-0.1 / 0.3)):.0f} ms" in shown and "of the program" in shown
+    assert page._prices(SimpleNamespace(prices_s={}), 30.0, machine) == ""
+
+
 def test_a_wider_tolerance_is_asked_for_by_a_command_that_runs_beside_the_page():
     reading = SimpleNamespace(controller_file="controller.toml", setup_file="")
     figures = SimpleNamespace(program_file="program.<b>", reading=reading, tip_tolerance_mm=0.01)

@@ -29,6 +29,7 @@ from toolpace.results.report.words import (
     joint_colour,
     limit_words,
     percent,
+    savings,
 )
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ def report_page(
         "insight": _insight(trajectory.limited_by()) + wider_tolerance(figures),
         "bars": _bars(trajectory.limited_by(), palette),
         "open_places": _open_places(trajectory),
+        "prices": "" if figures is None else _prices(figures, trajectory.duration, machine),
         "usage": _usage(trajectory, units),
         "motion": motion_section(trajectory.duration, workpiece_note(workpiece)),
         "operations": _operations(trajectory, toolpath),
@@ -139,6 +141,26 @@ def _bars(shares: Mapping[str, float], palette: Mapping[str, str]) -> str:
             f'</span></span><span class="share">{percent(share)}</span></div>'
         )
     return "\n".join(rows)
+
+
+def _prices(figures: PlanFigures, duration: float, machine: Machine | None) -> str:
+    """What more of each limit would save, the most first; empty where that was not worked out."""
+    if not figures.prices_s:
+        return ""
+    joints = [] if machine is None else machine.summary()
+    now = {f"{kind} {row['joint']}": row[kind] for row in joints for kind in KINDS}
+    rows = []
+    for name, times in savings(figures.prices_s, duration).items():
+        cells = "".join(f'<td class="n">{format_time(each)}, {percent(each / duration)}</td>' for each in times)
+        rows.append(
+            f"<tr><td>{escape(limit_words(name))}</td><td>{escape(now.get(name, 'of the program'))}</td>{cells}</tr>"
+        )
+    head = '<th>Limit</th><th>Now</th><th class="n">1 % more saves</th><th class="n">10 % more, up to</th>'
+    return (
+        "<h3>What more of a limit would save</h3>"
+        '<p class="hint">On this path, of one limit, with all others as they are.</p>'
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+    )
 
 
 def _open_places(trajectory: Trajectory) -> str:

@@ -87,10 +87,9 @@ class Program {
     }, (k) => this.go(k + 1));
   }
 
-  // To the next time at which a line is passed, or the first.
   go(line) {
-    const { t } = this.player, begins = this.player.lineBegins.get(line);
-    if (begins) this.player.seek(begins.find((b) => b > t + 1e-9) ?? begins[0]);
+    const t = this.player.lineTime(line);
+    if (!Number.isNaN(t)) this.player.seek(t);
   }
 
   light(line, pale = 0) { this.list.light(line - 1, pale - 1); }

@@ -183,14 +183,15 @@ class Space {
     return out;
   }
 
-  // Everything where it is at a time.
-  pose(t) {
-    const { motion } = this.player, { machine } = motion, q = motion.at(t), length = motion.length(t);
+  // Everything where it is at a time, with joints that are elsewhere where they are given.
+  pose(t, q = this.player.motion.at(t)) {
+    const { motion } = this.player, { machine } = motion, length = motion.length(t);
     const move = (groups, chain) => machine.bodies(chain, q).forEach((m, k) => set(groups[k], m));
     move(this.bodies.workpiece, machine.workpiece);
     move(this.bodies.tool_chain, machine.tool_chain);
     const w = product(machine.bodies(machine.workpiece, q).at(-1) || AT_REST, machine.frame);
     set(this.part, w);
+    this.posed = q;
     this.shapeTool(machine, length);
     const shaped = !!this.workpiece && this.workpiece.pose(t, machine, length);
     this.toolShape.visible = this.holder.visible = !shaped;
@@ -223,7 +224,7 @@ class Space {
 
   look(mode) {
     this.mode = mode;
-    this.pose(this.player.t);
+    this.pose(this.player.t, this.posed);
     this.frame();
   }
 
