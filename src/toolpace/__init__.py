@@ -50,12 +50,13 @@ if TYPE_CHECKING:
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
     from toolpace.machine.dynamics import Dynamics, Link, TorqueTerms
+    from toolpace.machine.dynamics.torques import torque_rows
     from toolpace.machine.file import ChainFile, JointFile, MachineFile, WorkpieceFile
     from toolpace.machine.geometry import Geometry
+    from toolpace.machine.limit_curves import CurvedLimit, LimitCurve
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.machine.rows import Rows
-    from toolpace.machine.torques import torque_rows
     from toolpace.motion import Motion, Usage
     from toolpace.motion.active_limits import ActiveLimits, ActiveStretch
     from toolpace.motion.laws import Probe, TimeLaw
@@ -108,6 +109,7 @@ __all__ = [
     "Clamping",
     "Coefficients",
     "Controller",
+    "CurvedLimit",
     "Cut",
     "CutLoads",
     "CutSimulation",
@@ -134,6 +136,7 @@ __all__ = [
     "Kinematics",
     "LeftAbovePart",
     "LeftRegion",
+    "LimitCurve",
     "Limits",
     "Link",
     "Machine",
@@ -235,6 +238,7 @@ _HOME = {
     "Clamping": "setup_search.clamping",
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
+    "CurvedLimit": "machine.limit_curves",
     "Cut": "machine.cutting_tool",
     "CutLoads": "cutting.forces.engaged",
     "CutSimulation": "cutting.simulation.simulate",
@@ -261,6 +265,7 @@ _HOME = {
     "Kinematics": "programs.reading",
     "LeftAbovePart": "cutting.simulation.left_above_part",
     "LeftRegion": "cutting.simulation.left_above_part",
+    "LimitCurve": "machine.limit_curves",
     "Limits": "machine.limits",
     "Link": "machine.dynamics",
     "Machine": "machine.machine",
@@ -337,7 +342,7 @@ _HOME = {
     "report": "results.report",
     "search_setup": "setup_search.search",
     "simulate_cut": "cutting.simulation",
-    "torque_rows": "machine.torques",
+    "torque_rows": "machine.dynamics.torques",
     "verify": "judge",
     "with_engaged_deflection": "cutting.forces.engaged_deflection",
     "write_set_up": "results.write.set_up_folder",

@@ -12,8 +12,8 @@ from tests.support.heavy_machines import heavy_machine, heavy_text, pinocchio_to
 from toolpace.common.errors import MachineError, UsageError
 from toolpace.judge.torque import JointTorques
 from toolpace.machine.dynamics import Dynamics, Link
+from toolpace.machine.dynamics.torques import torque_rows
 from toolpace.machine.machine import Machine
-from toolpace.machine.torques import torque_rows
 
 
 def close(found, wanted):
@@ -92,14 +92,15 @@ def test_a_function_for_torques_tells_the_same_coefficients():
     dynamics = random_dynamics(11, 4, friction=True)
     q = np.random.default_rng(2).normal(size=(4, 20, 4))
     names = ("a", "b", "c", "d")
-    rows = torque_rows(dynamics, 1e3, 2.0, names)
-    same = torque_rows(lambda *moment: dynamics(*moment), 1e3, 2.0, names, [row.unit == "N" for row in rows])
+    rows = torque_rows(dynamics, 1e3, names)
+    same = torque_rows(lambda *moment: dynamics(*moment), 1e3, names, [row.unit == "N" for row in rows])
     for one, other in zip(rows, same, strict=True):
         assert one.name == other.name and np.allclose(one.shares(q), other.shares(q), rtol=1e-9, atol=1e-12)
-    wrong = torque_rows(lambda q, v, a: a + v**3, 1e3, 2.0, names)
+        assert np.allclose(one.line_shares(q), other.line_shares(q), rtol=1e-9, atol=1e-12)
+    wrong = torque_rows(lambda q, v, a: a + v**3, 1e3, names)
     with pytest.raises(UsageError, match="is not quadratic in the velocities"):
         wrong[0].shares(q)
-    short = torque_rows(lambda q, v, a: a[:, 0], 1e3, 2.0, names)
+    short = torque_rows(lambda q, v, a: a[:, 0], 1e3, names)
     with pytest.raises(UsageError, match=r"gives shape \(140,\) for 140 places; it must be \(140, 4\)"):
         short[0].shares(q)
 
@@ -159,8 +160,8 @@ def test_mistakes_in_dynamics_are_told():
         (lambda: Dynamics(()), "give a tp.Link for each joint"),
         (lambda: Dynamics((link, link), (-1,)), "1 parents of 2 links"),
         (lambda: Dynamics((link, link), (1, 0)), "link 0 does not sit on the bed"),
-        (lambda: torque_rows(Dynamics((link,)), 1.0, 1.0, ("a", "b")), "dynamics of 1 joints for 2"),
-        (lambda: torque_rows(Dynamics((link,)), 0.0, 1.0, ("a",)), "that of joint a is 0; give a positive number"),
+        (lambda: torque_rows(Dynamics((link,)), 1.0, ("a", "b")), "dynamics of 1 joints for 2"),
+        (lambda: torque_rows(Dynamics((link,)), 0.0, ("a",)), "that of joint a is 0; give a positive number"),
         (lambda: Dynamics((link,))(np.zeros((2, 1)), np.zeros((2, 2)), np.zeros((2, 1))), "dynamics: qd has shape"),
     ):
         with pytest.raises(UsageError, match=message):

@@ -12,6 +12,7 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
+from toolpace.machine.limit_curves import CURVE
 from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
@@ -149,6 +150,8 @@ def limit_in_words(name: str) -> str:
     kind, _, joint = name.partition(" ")
     if name == "nothing":
         return "no limit reached"
+    if kind in KINDS and joint.startswith(CURVE):
+        return f"{kind} of {joint.removeprefix(CURVE)} at its speed"
     return f"{kind} of {joint}" if kind in (*KINDS, *MOTORS) else name
 
 
@@ -189,6 +192,10 @@ def usage_table(record: PlanRecord) -> Table:
         table.add_column(joint, justify="right", no_wrap=True, min_width=6)
     for kind, values in kinds.items():
         table.add_row(kind, *(_percent(value) for value in values.values()))
+        over_speed = {name.removeprefix(f"{kind} {CURVE}"): each for name, each in usage.curves.items() if kind in name}
+        if over_speed:
+            cells_of_joints = (_percent(over_speed[joint]) if joint in over_speed else "" for joint in values)
+            table.add_row("  at its speed", *cells_of_joints)
     if usage.motor:
         of_motors = (_percent(usage.motor[joint]) if joint in usage.motor else Text("-") for joint in usage.velocity)
         table.add_row("torque, force", *of_motors)
@@ -204,6 +211,10 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
         return
     kinds = (*KINDS, *MOTORS)
     now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
+    for curve in machine.limits.curves:
+        of_joint = f"{curve.kind} {curve.joint}"
+        now[curve.name] = now[of_joint]
+        now[of_joint] = f"{now[of_joint].partition(' ..')[0]} {now[of_joint].rpartition(' ')[2]}"
     headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
     table = new_table(headings, left=("limit",))
     dear = savings(record.prices_s, record.duration_s)

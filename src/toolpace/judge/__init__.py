@@ -20,7 +20,15 @@ from toolpace.common.errors import UsageError
 from toolpace.judge import seen_motion
 from toolpace.judge.alignment.sections import Sections, Steps
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, row_checks, step_check
+from toolpace.judge.motion import (
+    column_checks,
+    curve_checks,
+    jumpy_joints,
+    motion_checks,
+    rest_checks,
+    row_checks,
+    step_check,
+)
 from toolpace.judge.program import JudgedProgram, ProgramJudgement
 from toolpace.judge.rows import Stretch
 from toolpace.judge.seen_motion import (
@@ -98,7 +106,7 @@ def verify(
         raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
     found = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)[0]
-    own = [*(machine.rows if isinstance(machine, Limits) else ()), *rows]
+    own = [*(machine.constants.rows if isinstance(machine, Limits) else ()), *rows]
     if own and not math.isnan(found.dt):
         found = replace(found, checks=found.checks + tuple(row_checks(points, own, found.dt)))
     # without a number there is no step: it is that which was asked for
@@ -192,7 +200,8 @@ class MotionJudge:
         """Take where the set-points are from, the machine, the program, and the text of the set-up sheet."""
         self.source, self.program, self.sheet = source, program, sheet
         self.machine = machine if isinstance(machine, Machine) else None
-        self.limits = machine if isinstance(machine, Limits) else machine.limits
+        limits = machine if isinstance(machine, Limits) else machine.limits
+        self.limits, self.over_speed = limits.largest, limits.constants
         torques = None if self.machine is None else JointTorques(self.machine.file)
         self._torques = torques if torques is not None and np.isfinite(torques.limits).any() else None
         self._notes: dict[int, _Notes] = {}
@@ -281,6 +290,7 @@ class MotionJudge:
         if machine is not None:
             units = ["rad" if rotary else "m" for rotary in machine.is_rotary]
         checks = self._steps + motion_checks(seen, self.limits, units, self._beyond if machine is not None else None)
+        checks += curve_checks(self.source, self.over_speed, units, self.step, self._even)
         checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
         if self._torques is not None:
             largest = Largest.of_all([each for each in torques if each is not None])

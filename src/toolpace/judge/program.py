@@ -108,7 +108,7 @@ class JudgedProgram:
         tip, axis = forward_kinematics(points, self.machine)
         tips = self.bent.tips(points, tip, axis, self.line.poses, self.owner, self.along, dt)
         there = tip if isinstance(tips, Lost) else tips
-        stretches = stretches_of(points, self.poses(there, axis), self.machine.limits, dt)
+        stretches = stretches_of(points, self.poses(there, axis), self.machine.limits.largest, dt)
         motion = joined(stretches, points.t, stretches[-1].poses[-1])
         found: BothWays | Lost
         if isinstance(tips, Lost):

@@ -1,7 +1,7 @@
 """Torques and forces of a machine's joints at set-points, by Newton's and Euler's equations link by link.
 
 From the bed outwards go velocities and accelerations, back to it forces and moments, each link in a frame of its own
-that turns with it (Luh, Walker and Paul 1980). The planner has them by Lagrange (machine/dynamics.py), in the frame of
+that turns with it (Luh, Walker and Paul 1980). The planner has them by Lagrange (machine/dynamics), in the frame of
 the bed; nothing of that is used here.
 """
 

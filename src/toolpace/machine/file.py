@@ -6,6 +6,7 @@ Every figure is checked where it is read, so that an error can name file, joint 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
@@ -13,6 +14,8 @@ import msgspec
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
+from toolpace.machine.curves_file import check_speeds, curved_limits
+from toolpace.machine.limit_curves import CurvedLimit
 from toolpace.machine.limits import KINDS
 from toolpace.machine.plausibility import (
     LONGEST_NOTE,
@@ -89,6 +92,10 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     balance: float = 0.0
     """Torque or force of a counterweight, forwards [N m, N]."""
 
+    curves: tuple[Any, ...] = ()
+    """The limits that fall with its speed, as CurvedLimit [m or rad, s]: of those keys that are more than a number, in
+    place of which the least value stands."""
+
     @property
     def most_torque(self) -> float:
         """The limit of the motor's torque or force [N m, N]; inf where there is none."""
@@ -133,10 +140,11 @@ def read_machine(text: str, source: str) -> MachineFile:
         check_name(name, "the name of a joint", source)
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
     written = {name: _with_units(value, f"{source}: joint {name}") for name, value in raw["joints"].items()}
-    joints = {
-        name: _convert(_in_file_units(value, written[name], length, angle), JointFile, f"[joints.{name}]", source)
-        for name, value in raw["joints"].items()
-    }
+    curves, joints = {}, {}
+    for name, value in raw["joints"].items():
+        value, curves[name] = curved_limits(value, name, (length, angle), f"{source}: joint {name}")
+        plain = _in_file_units(value, written[name], length, angle)
+        joints[name] = _convert(plain, JointFile, f"[joints.{name}]", source)
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
@@ -153,8 +161,10 @@ def read_machine(text: str, source: str) -> MachineFile:
         scale = length if joint.kind == "linear" else angle
         place = f"{source}: joint {name}"
         unit = units.length if joint.kind == "linear" else units.angle
-        check_joint(joint, place, unit, scale)
-        ask_about(joint, place, unit, scale)
+        for figures in (joint, _with_largest(joint, curves[name], scale))[: 1 + bool(curves[name])]:
+            check_joint(figures, place, unit, scale)
+            ask_about(figures, place, unit, scale)
+        check_speeds(curves[name], written[name].get("velocity", joint.velocity * scale), place, (unit, scale))
         check_place(_scaled(joint.point, length), "point", place)
         if joint.kind == "rotary" and "point" not in raw["joints"][name]:
             raise MachineError(
@@ -168,6 +178,7 @@ def read_machine(text: str, source: str) -> MachineFile:
             centre=_scaled(joint.centre, length),
             **{key: written[name].get(key, getattr(joint, key) * scale) for key in KINDS},
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
+            curves=tuple(curves[name]),
         )
     workpiece = _workpiece(raw.get("workpiece"), length, source)
     in_order = _in_columns(raw.get("columns"), joints, source)
@@ -182,6 +193,11 @@ def _workpiece(table: object, length: float, source: str) -> WorkpieceFile | Non
     part = _convert(table, WorkpieceFile, "[workpiece]", source)
     check_mass(part, f"{source}: [workpiece]")
     return msgspec.structs.replace(part, centre=_scaled(part.centre, length))
+
+
+def _with_largest(joint: JointFile, curves: Sequence[CurvedLimit], scale: float) -> JointFile:
+    """The joint with the largest values of its curves, in the unit of the file."""
+    return msgspec.structs.replace(joint, **{curve.kind: curve.largest / scale for curve in curves})
 
 
 def _with_units(raw: object, place: str) -> dict[str, float]:
@@ -248,7 +264,7 @@ def _check_keys(
 def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     if not isinstance(raw, dict):
         raise MachineError(f"{source}: {place} must be a table")
-    fields = msgspec.structs.fields(kind)
+    fields = [field for field in msgspec.structs.fields(kind) if field.name != "curves"]
     _check_keys(
         raw,
         tuple(field.name for field in fields),

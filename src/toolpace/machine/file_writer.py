@@ -13,6 +13,7 @@ from toolpace.common.errors import printable
 from toolpace.common.files.toml import toml_value
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
+from toolpace.machine.curves_file import curve_text, figures_of
 from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
 from toolpace.machine.limits import MOTORS
@@ -73,7 +74,9 @@ def units_of(file: MachineFile) -> tuple[str, str]:
 
 
 def _motion(joint: JointFile) -> tuple[float, ...]:
-    return (*(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk)
+    return (
+        *(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk, *figures_of(joint.curves)
+    )  # fmt: skip
 
 
 def _shortest(figures: list[float], order: tuple[str, ...], scales: dict[str, float]) -> str:
@@ -162,21 +165,23 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     else:
         yield f"travel = {_figures(joint.travel, scale)}", f"{unit}, lowest and highest position"
     yield f"velocity = {_figure(joint.velocity, scale)}", f"{unit}/s{_a_minute(joint.velocity / scale, unit)}"
-    yield f"acceleration = {_figure(joint.acceleration, scale)}", f"{unit}/s^2"
-    yield f"jerk = {_figure(joint.jerk, scale)}", f"{unit}/s^3"
+    texts = {each.kind: curve_text(each, lambda value: _figure(value, scale)) for each in joint.curves}
+    for kind, power in (("acceleration", 2), ("jerk", 3)):
+        figure, over = texts.get(kind, _figure(getattr(joint, kind), scale)), f" over {unit}/s" if kind in texts else ""
+        yield f"{kind} = {figure}", f"{unit}/s^{power}{over}"
     per = "N m" if rotary else "N"
     for limit, what in ((joint.force, "force"), (joint.torque, "torque")):
         if limit is not None:
             yield f"{what} = {_figure(limit)}", f"{per}, of the motor at the joint"
     yield from _body(joint, LENGTHS[length])
-    for figure, what, comment in (
+    for value, what, comment in (
         (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
         (joint.viscous_friction, "viscous_friction", f"{per} {'s/rad' if rotary else 's/m'}"),
         (joint.dry_friction, "dry_friction", per),
         (joint.balance, "balance", f"{per}, forwards, by a counterweight"),
     ):
-        if figure:
-            yield f"{what} = {_figure(figure)}", comment
+        if value:
+            yield f"{what} = {_figure(value)}", comment
 
 
 def _body(body: JointFile | WorkpieceFile, scale: float) -> Iterator[Line]:
@@ -238,14 +243,20 @@ def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
                 "carries": "workpiece" if name in file.chain.workpiece else "tool",
                 "travel": "endless" if joint.wrap else f"{low * scale:g} .. {high * scale:g} {unit}",
                 "velocity": f"{joint.velocity * scale:g} {unit}/s",
-                "acceleration": f"{joint.acceleration * scale:g} {unit}/s^2",
-                "jerk": f"{joint.jerk * scale:g} {unit}/s^3",
+                "acceleration": f"{_range(joint, 'acceleration', scale)} {unit}/s^2",
+                "jerk": f"{_range(joint, 'jerk', scale)} {unit}/s^3",
             }
         )
         if math.isfinite(joint.most_torque):
             turns = joint.kind == "rotary"
             table[-1][MOTORS[turns]] = f"{joint.most_torque:g} {('N', 'N m')[turns]}"
     return table
+
+
+def _range(joint: JointFile, kind: str, scale: float) -> str:
+    """The limit of a joint, or the largest and the least of its curve."""
+    largest = [f"{curve.largest * scale:g} .. " for curve in joint.curves if curve.kind == kind]
+    return f"{''.join(largest)}{getattr(joint, kind) * scale:g}"
 
 
 def title(file: MachineFile, kind: str) -> str:

@@ -17,6 +17,7 @@ from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.dynamics import Dynamics
+from toolpace.machine.dynamics.torques import machine_torques
 from toolpace.machine.file import FILE, MachineFile, WorkpieceFile, read_machine
 from toolpace.machine.file_writer import machine_text, rows, title
 from toolpace.machine.geometry import Geometry, chain_geometry
@@ -24,7 +25,6 @@ from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_betwe
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.plausibility import ask_about, check_chain, check_mass, is_usual
-from toolpace.machine.torques import machine_torques
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
 
@@ -83,6 +83,7 @@ class Machine(ByValue, Posed):
                 [joint.jerk for joint in values],
                 geometry.joints,
                 machine_torques(self.file, self.source or self.file.name),
+                curves=[curve for joint in values for curve in joint.curves],
             ),
             "travel": geometry.travel,
             "wrap": geometry.wrap,
@@ -202,11 +203,15 @@ class Machine(ByValue, Posed):
             raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
 
-        values = zip(self.file.joints.items(), limits.velocity, limits.acceleration, limits.jerk)
+        limits = limits.constants
+        values = zip(self.file.joints.items(), limits.joints, limits.velocity, limits.acceleration, limits.jerk)
         joints = {
-            name: msgspec.structs.replace(joint, velocity=float(v), acceleration=float(a), jerk=float(j))
-            for (name, joint), v, a, j in values
-        }
+            name: msgspec.structs.replace(
+                joint, velocity=float(v), acceleration=float(a), jerk=float(j),
+                curves=tuple(replace(curve, joint=name) for curve in limits.curves if curve.joint == named),
+            )
+            for (name, joint), named, v, a, j in values
+        }  # fmt: skip
         for name, joint in joints.items():
             before = self.file.joints[name]
             if all(is_usual(joint.kind, kind, getattr(before, kind)) for kind in KINDS):

@@ -126,6 +126,8 @@ class PlanFolder(NamedTuple):
     """Peak value over limit, inf where no number bounds it."""
     motor: dict[str, float]
     """By the name of the limit, "torque A"."""
+    curves: dict[str, float]
+    """The same of limits that fall with the speed, by name."""
 
 
 def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> PlanFolder:
@@ -172,6 +174,7 @@ def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> Plan
             dict(usage["acceleration"]),
             jerk,
             motor,
+            dict(usage.get("curves", {})),
         )
     except (KeyError, TypeError, ValueError, AttributeError):
         raise UsageError(f"{folder}: {PLAN} is not that of a plan; plan again, into a new folder") from None

@@ -118,19 +118,21 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
         if border != end:
             counts[(node == border) & ~problem.inside] = 0.5
     of_caps = (multipliers.cap * problem.cap)[:, None] * cap_growth(run, limits, problem)
-    gains: Floats = counts @ (row_gains(limits, multipliers) + of_caps)
+    gains: Floats = counts @ (row_gains(limits, multipliers, problem) + of_caps)
     return gains
 
 
-def row_gains(limits: Limits, multipliers: Multipliers) -> Floats:
+def row_gains(limits: Limits, multipliers: Multipliers, problem: Problem) -> Floats:
     """(points, k) what the rows of a point gain per relative growth of each limit."""
     m, half, gains = len(limits), limits.half, multipliers.rows.copy()
+    if problem.lines is not None:
+        gains[:, problem.lines.column] *= problem.lines.limits(np.sqrt(multipliers.z))
     gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
     columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
     at = {1: m, 2: half + m}
     for rows in limits.rows:
-        columns.append(gains[:, at[rows.order] : at[rows.order] + rows.count].sum(axis=1, keepdims=True))
-        at[rows.order] += rows.count
+        columns.append(gains[:, at[rows.order] : at[rows.order] + rows.width].sum(axis=1, keepdims=True))
+        at[rows.order] += rows.width
     return np.concatenate(columns, axis=1)
 
 
@@ -159,7 +161,7 @@ def state_at(law: SplineLaw, node: int) -> EndState:
 
 def multipliers_near(problem: Problem, c: Floats) -> Multipliers:
     """The multipliers at the optimum of a problem, found from coefficients near it. Raises UsageError where none is."""
-    rests = bool((problem.end == newton.REST).all())
+    problem, rests = problem.about(c), bool((problem.end == newton.REST).all())
     for begin, spread in starts_from(problem, slower(problem, c, LOSS), SPREAD, rests, once=False):
         relief = reliefs(problem, begin)
         if not np.isfinite(relief).all():

@@ -11,6 +11,7 @@ from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
+from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
 
@@ -36,13 +37,37 @@ class Knots:
         self.price = np.zeros(n + 2)
         """(n + 2,) of the coefficients, where what surrounds a part is priced."""
         self.cap = np.minimum.reduceat(problem.cap, self.first[:-1])
-        self.rows = problem.rows
+        self.rows, self.shift, self.root, self.lines = problem.rows, np.empty((0, 0)), np.empty((0, 0)), problem.lines
+        if self.lines is not None:
+            self._take_lines(self.lines)
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
 
     def as_knots(self) -> KnotRows:
         """The problem as the kernels take it."""
         ends = newton.Ends(self.end, self.ratio, self.fixed)
-        return KnotRows(self.basis, self.first, self.weight, self.price, self.rows, ends)
+        return KnotRows(self.basis, self.first, self.weight, self.price, self.rows, ends, self.shift, self.root)
+
+    def _take_lines(self, lines: LineRows) -> None:
+        """Set the rows whose limits depend on the speed as they are, with constants and multiples of sqrt(z)."""
+        rows, shift, root = lines.scaled(*lines.over_range(np.sqrt(np.repeat(self.cap, np.diff(self.first)))))
+        self.rows = self.rows.copy()
+        self.shift, self.root = np.zeros(self.rows.shape[:2]), np.zeros(self.rows.shape[:2])
+        self.rows[:, lines.column], self.shift[:, lines.column], self.root[:, lines.column] = rows, shift, root
+
+    def linear(self, c: Floats) -> KnotRows:
+        """The same, what is a multiple of sqrt(z) made linear at coefficients c (n + 2,): not for a bound."""
+        if self.lines is None:
+            return self.as_knots()
+        x = np.sqrt(np.repeat(self.state(c)[:, 0], np.diff(self.first)))[:, None]
+        rows = self.rows.copy()
+        rows[:, :, 0] += self.root / (2.0 * x)
+        return self.as_knots()._replace(rows=rows, shift=self.shift + self.root * x / 2.0, root=np.empty((0, 0)))
+
+    def used(self, u: Floats) -> Floats:
+        """(points, rows) value of the rows, constants with them, at z, z', z'' (n, 3)."""
+        at_point = np.repeat(u, np.diff(self.first), axis=0)
+        value: Floats = np.einsum("pri,pi->pr", self.rows, at_point)
+        return value + self.shift + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
 
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
@@ -150,8 +175,7 @@ def start_within(
     low = np.zeros(len(u)) if low is None else low
     high = knots.cap if high is None else high
     half = knots.rows.shape[1] // 2
-    at_point = np.repeat(u, np.diff(knots.first), axis=0)
-    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1, initial=0.0)
+    of_point = np.abs(knots.used(u)[:, :half]).max(axis=1, initial=0.0)
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))

@@ -73,7 +73,7 @@ def report_page(
     program = printable((figures.program if figures is not None else "") or source or "motion")
     where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
     title = f"{program} on {where}" if where else program
-    palette = colours(setpoints.joints)
+    palette = colours(setpoints.joints, trajectory.limits.constants.curves)
     fields = {
         "program": escape(program),
         "machine": escape(where),

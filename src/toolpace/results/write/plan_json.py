@@ -41,6 +41,8 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_
     jerk: dict[str, float | None]
     """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is exceeded.
     0 where the machine has no limit of it."""
+    curves: dict[str, float] = {}
+    """Of limits that fall with the speed of their joint, by name; above stand shares of their largest values."""
     motor: dict[str, float] = {}
     """Of the torque or force of its motor; only joints whose machine file has a limit of it."""
 
@@ -48,7 +50,8 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_
     def worst(self) -> float:
         """The largest of all."""
         jerk = (math.inf if value is None else value for value in self.jerk.values())
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *jerk, *self.motor.values())
+        joints = *self.velocity.values(), *self.acceleration.values(), *jerk
+        return max(self.feed, *joints, *self.curves.values(), *self.motor.values())
 
 
 class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -277,9 +280,11 @@ def usage_record(trajectory: Trajectory) -> UsageRecord:
     """What the motion uses of the limits, at most."""
     usage = trajectory.usage()
     jerk = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
+    curves = {each.name for each in trajectory.limits.constants.curves}
+    of_curves = {name: value for name, value in usage.rows.items() if name in curves}
     names = {f"{kind} {joint}": joint for joint in trajectory.joints for kind in MOTORS}
     motor = {names[name]: value for name, value in usage.rows.items() if name in names}
-    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, motor)
+    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, of_curves, motor)
 
 
 def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:

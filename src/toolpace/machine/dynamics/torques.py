@@ -23,19 +23,44 @@ Torque = Callable[[Floats, Floats, Floats], npt.ArrayLike]
 """Torques (n, joints) at positions, velocities and accelerations (n, joints) of the joints."""
 
 
+@dataclass(frozen=True, repr=False)
+class JointTorque(Rows):
+    """The limit on the torque or force of one joint, as a row of acceleration: weight and friction are taken off it."""
+
+    terms: _JointTerms | None = None
+
+    @classmethod
+    def of(cls, terms: _JointTerms, name: str, unit: str, limit: float) -> JointTorque:
+        """That of a joint of dynamics that are shared by all joints [N m, N]."""
+        return cls(name, unit, limit, terms, lines=_Room(terms, limit), terms=terms)
+
+    def ratio(self, q: Floats, state: Floats) -> Floats:
+        """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
+
+        Above 1 it is how much more the motion asks for than weight and friction leave, where that is more: by so much
+        it must be slower.
+        """
+        assert self.terms is not None
+        slope, square, linear, constant = self.terms.at(q)
+        _, v, a, _ = state
+        share: Floats = np.abs(slope * 2.0 * a + square * v * v + linear * v + constant) / self.limit
+        over = share > 1.0
+        if over.any():
+            share[over] = np.maximum(share[over], super().ratio(np.ascontiguousarray(q[:, over]), state[:, over]))
+        return share
+
+
 def torque_rows(
-    dynamics: Dynamics | Torque, most: npt.ArrayLike, velocity: npt.ArrayLike, joints: Sequence[str],
-    linear: Sequence[bool] | None = None,
-) -> tuple[Rows, ...]:  # fmt: skip
+    dynamics: Dynamics | Torque, most: npt.ArrayLike, joints: Sequence[str], linear: Sequence[bool] | None = None
+) -> tuple[Rows, ...]:
     """Limits on the torques of joints, as `plan(..., rows=...)` takes them, by the names "torque A" and "force X".
 
     `dynamics` is a `Dynamics`, or a function of one's own: torques (n, m) [N m, N] at positions, velocities and
-    accelerations (n, m) of the joints, quadratic in the velocities but for friction. `most` (m,) is the largest torque
-    of each, without sign, inf where none is held; `velocity` (m,) the largest velocity, for viscous friction; `linear`
-    (m,) says which joints have a force (default: as the links of `dynamics` are). Raises UsageError.
+    accelerations (n, m) of the joints, quadratic in the velocities but for dry and viscous friction. `most` (m,) is the
+    largest torque of each, without sign, inf where none is held; `linear` (m,) says which joints have a force (default:
+    as the links of `dynamics` are). Raises UsageError.
     """
-    limit = np.broadcast_to(numbers(most, "torques: most", ("m",), (), finite=False), len(joints))
-    fastest = np.broadcast_to(numbers(velocity, "torques: velocity", ("m",), (), finite=False), len(joints))
+    limit = np.broadcast_to(numbers(most, "torques: most", (len(joints),), (), finite=False), len(joints))
     if linear is None:
         linear = [each.kind == "linear" for each in getattr(dynamics, "links", ())] or [False] * len(joints)
     if len(linear) != len(joints):
@@ -46,9 +71,8 @@ def torque_rows(
     shared = _Shared(dynamics if isinstance(dynamics, Dynamics) else _Fitted(dynamics))
     rows = []
     for k in np.flatnonzero(np.isfinite(limit)).tolist():
-        name, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
-        function = _JointTorque(shared, k, joints[k], float(limit[k]), float(fastest[k]))
-        rows.append(Rows(f"{name} {joints[k]}", unit, float(limit[k]), function))
+        kind, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
+        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, float(limit[k])))
     return tuple(rows)
 
 
@@ -64,35 +88,46 @@ def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
         moves = link.rotor_inertia or any(each.mass or any(each.inertia) for each in carried)
         if name in limited and not moves:
             raise MachineError(f"{source}: joint {name} has a limit of torque or force, and moves no mass; give mass")
-    return torque_rows(
-        dynamics, [joint.most_torque for joint in joints.values()], [joint.velocity for joint in joints.values()],
-        list(joints),
-    )  # fmt: skip
+    return torque_rows(dynamics, [joint.most_torque for joint in joints.values()], list(joints))
 
 
 @dataclass(frozen=True)
-class _JointTorque:
-    """The torque of one joint as a row."""
+class _JointTerms:
+    """The terms of one joint's torque; as a function of rows, those of z' and z."""
 
     shared: _Shared
     joint: int
-    name: str
-    limit: float
-    velocity: float
+
+    def at(self, q: Floats) -> tuple[Floats, ...]:
+        """Those of z', z, sqrt(z) and the constant, each (n,)."""
+        return tuple(part[:, self.joint] for part in self.shared.along(q))
 
     def __call__(self, q: Floats) -> Floats:
-        """The coefficients (n, 2) of z' and z, as shares of what weight and friction leave of the limit."""
-        slope, square, viscous, constant = (part[:, self.joint] for part in self.shared.along(q))
-        with np.errstate(invalid="ignore"):
-            friction = np.nan_to_num(np.abs(viscous / q[1, :, self.joint]) * self.velocity)
-        room = self.limit - np.abs(constant) - friction
-        if not (room > 0.0).all():
-            at = int(np.argmin(room))
+        """(n, 2) from the joints q (4, n, joints)."""
+        slope, square, _, _ = self.at(q)
+        return np.stack([slope, square], axis=1)
+
+
+@dataclass(frozen=True)
+class _Room:
+    """What weight and friction leave of a joint's limit, as lines of rows over ds/dt."""
+
+    terms: _JointTerms
+    limit: float
+
+    def __call__(self, q: Floats) -> tuple[Floats, Floats]:
+        """(n, 1, 1, 2) above and below zero: height at rest, and fall with ds/dt. Raises UsageError without room."""
+        _, _, linear, constant = self.terms.at(q)
+        if not (np.abs(constant) < self.limit).all():
+            at = int(np.argmax(np.abs(constant)))
             raise UsageError(
-                f"torque of {self.name}: weight and friction take {self.limit - room[at]:.6g} of {self.limit:.6g} with "
-                f"the joints at {np.round(q[0, at], 6).tolist()}; give a stronger motor, or a weight balance"
+                f"torque of joint {self.terms.joint + 1}: weight and friction take {abs(constant[at]):.6g} of "
+                f"{self.limit:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger motor, or a "
+                "weight balance"
             )
-        return np.stack([slope, square], axis=1) * (self.limit / room)[:, None]
+        lines = np.stack([np.stack([self.limit - constant, linear], 1), np.stack([self.limit + constant, -linear], 1)])
+        above, below = lines[:, :, None, None]
+        return above, below
 
 
 @dataclass(frozen=True)
