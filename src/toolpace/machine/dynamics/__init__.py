@@ -11,15 +11,15 @@ and their derivatives J' along the path,
 
     M = sum m J'J + Jw'I Jw,    c = sum m J'(dJ/ds q') + Jw'(I dJw/ds q' + w x I w),    g = -sum m J'gravity
 
-(Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2 and 5). `judge/torque.py` has the same by Newton and
-Euler, link by link.
+(Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2 and 5; `kernels/kinematics/torques.py`).
+`judge/torque.py` has the same by Newton and Euler, link by link.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,9 @@ from toolpace.common.errors import MachineError, UsageError
 from toolpace.common.value_objects import ByValue, one_line
 from toolpace.machine.file import GRAVITY, MachineFile
 from toolpace.machine.plausibility import check_inertia
+
+if TYPE_CHECKING:
+    from toolpace.kernels.kinematics.torques import Bodies
 
 Vector = tuple[float, float, float]
 
@@ -157,119 +160,36 @@ class Dynamics(ByValue):
         return square + linear + constant
 
     def along(self, q: Floats) -> TorqueTerms:
-        """The coefficients from the joints q (3 or 4, n, joints): positions and derivatives along the path."""
-        first, second = q[1].T, q[2].T
-        m, n = first.shape
-        slope, square, constant = np.zeros((m, n)), np.zeros((m, n)), np.zeros((m, n))
-        bodies = self._bodies(q[0].T, first)
-        for body, chain in zip(bodies, self.chains):
-            link = self.links[chain[-1]]
-            if not link.mass and not any(link.inertia):
-                continue
-            columns = [self._column(body, bodies[i], i) for i in chain]
-            tensor = np.einsum("ikn,kl,jln->ijn", body.turn, link.tensor, body.turn)
-            # velocity and spin of the body by s, and what they change by where q'' is zero
-            speed, spin = (sum(column[k] * first[i] for column, i in zip(columns, chain)) for k in (0, 1))
-            change, twist = (sum(column[k] * first[i] for column, i in zip(columns, chain)) for k in (2, 3))
-            bend, bent_spin = (sum(column[k] * second[i] for column, i in zip(columns, chain)) for k in (0, 1))
-            moment = np.einsum("ijn,jn->in", tensor, spin)
-            turning = np.einsum("ijn,jn->in", tensor, bent_spin + twist) + _cross(spin, moment)
-            for (move, turn, _, _), i in zip(columns, chain):
-                slope[i] += link.mass * _dot(move, speed) + _dot(turn, moment)
-                square[i] += link.mass * _dot(move, bend + change) + _dot(turn, turning)
-                constant[i] -= link.mass * _dot(move, np.array(self.gravity)[:, None])
+        """The terms from the joints q (3 or 4, n, joints): positions and derivatives along the path."""
+        from toolpace.kernels.kinematics import torques
+
+        out = np.zeros((3, *q.shape[1:]))
+        torques.along(self._as_bodies(), np.require(q, np.float64, ["C", "W"]), out)
         rotor, viscous, dry, balance = (
-            np.array([getattr(each, name) for each in self.links])[:, None]
+            np.array([getattr(each, name) for each in self.links])
             for name in ("rotor_inertia", "viscous_friction", "dry_friction", "balance")
         )
-        slope += rotor * first
-        square += rotor * second
-        constant += dry * np.sign(first) - balance
-        return TorqueTerms(slope.T / 2.0, square.T, (viscous * first).T, constant.T)
+        first, second = q[1], q[2]
+        slope, square = out[0] + rotor * first, out[1] + rotor * second
+        return TorqueTerms(slope / 2.0, square, viscous * first, out[2] + dry * np.sign(first) - balance)
 
-    def _bodies(self, q: Floats, first: Floats) -> list[_Body]:
-        """The bodies at positions and their derivatives along the path (m, n)."""
-        found: dict[int, _Body] = {}
-        for i in sorted(range(len(self.links)), key=lambda k: len(self.chains[k])):
-            below = found.get(self.parents[i]) or _Body.at_rest(q.shape[1])
-            found[i] = _Body.moved(below, self.links[i], q[i], first[i])
-        return [found[i] for i in range(len(self.links))]
+    def _as_bodies(self) -> Bodies:
+        """The bodies as the kernel takes them."""
+        from toolpace.kernels.kinematics.torques import Bodies
 
-    def _column(self, body: _Body, joint: _Body, i: int) -> tuple[Floats, Floats, Floats, Floats]:
-        """What a joint's motion does to a body: its centre and its rotation, (3, n) each, and what these change by
-        along the path."""
-        none = np.zeros_like(joint.axis)
-        if self.links[i].kind == "linear":
-            return joint.axis, none, joint.axis_change, none
-        arm, arm_change = body.centre - joint.point, body.centre_change - joint.point_change
-        change = _cross(joint.axis_change, arm) + _cross(joint.axis, arm_change)
-        return _cross(joint.axis, arm), joint.axis, change, joint.axis_change
-
-
-class _Body(NamedTuple):
-    """A body at n places of a path, all in the frame of the bed; "change" is the derivative along the path."""
-
-    turn: Floats
-    """(3, 3, n) from directions with every joint at zero."""
-    shift: Floats
-    """(3, n) where the origin of the bed has gone with it."""
-    spin: Floats
-    """(3, n) rotation along the path."""
-    shift_change: Floats
-    axis: Floats
-    """(3, n) of its joint."""
-    axis_change: Floats
-    point: Floats
-    point_change: Floats
-    centre: Floats
-    """(3, n) of its mass."""
-    centre_change: Floats
-
-    @classmethod
-    def at_rest(cls, n: int) -> _Body:
-        """The bed."""
-        turn, none = np.repeat(np.eye(3)[:, :, None], n, axis=2), np.zeros((3, n))
-        return cls(turn, *(none,) * 9)
-
-    def place(self, at: Vector) -> tuple[Floats, Floats]:
-        """A point of the body (3, n), told with every joint at zero, and its change."""
-        arm = np.einsum("ijn,j->in", self.turn, np.array(at))
-        return arm + self.shift, _cross(self.spin, arm) + self.shift_change
-
-    @classmethod
-    def moved(cls, below: _Body, link: Link, q: Floats, first: Floats) -> _Body:
-        """The body on `below` that a joint at positions q (n,) moves by `first` (n,) along the path."""
-        direction = np.array(link.direction) / np.linalg.norm(link.direction)
-        axis = np.einsum("ijn,j->in", below.turn, direction)
-        axis_change = _cross(below.spin, axis)
-        point, point_change = below.place(link.point)
-        if link.kind == "linear":
-            turn, spin = below.turn, below.spin
-            shift = below.shift + axis * q
-            shift_change = below.shift_change + axis_change * q + axis * first
-        else:
-            spin = below.spin + axis * first
-            x, y, z = direction
-            skew, along = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]), np.outer(direction, direction)
-            # Rodrigues' formula
-            own = along[:, :, None] + (np.eye(3) - along)[:, :, None] * np.cos(q) + skew[:, :, None] * np.sin(q)
-            turn = np.einsum("ijn,jkn->ikn", below.turn, own)
-            arm = np.einsum("ijn,j->in", turn, np.array(link.point))
-            shift, shift_change = point - arm, point_change - _cross(spin, arm)
-        made = cls(turn, shift, spin, shift_change, axis, axis_change, point, point_change, shift, shift_change)
-        centre, centre_change = made.place(link.centre)
-        return made._replace(centre=centre, centre_change=centre_change)
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """The cross product of vectors (3, n)."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    """The inner product (n,) of vectors (3, n)."""
-    found: Floats = (a * b).sum(axis=0)
-    return found
+        links = self.links
+        axis = np.array([each.direction for each in links])
+        return Bodies(
+            np.array(sorted(range(len(links)), key=lambda k: len(self.chains[k]))),
+            np.array(self.parents),
+            np.array([each.kind == "rotary" for each in links]),
+            axis / np.linalg.norm(axis, axis=1)[:, None],
+            np.array([each.point for each in links]),
+            np.array([each.mass for each in links]),
+            np.array([each.centre for each in links]),
+            np.array([each.tensor for each in links]),
+            np.array(self.gravity),
+        )
 
 
 def _joined(link: Link, mass: float, centre: Vector, inertia: tuple[float, ...]) -> Link:
