@@ -302,7 +302,7 @@ main(sys.argv[2:])
 
 
 @pytest.mark.parametrize(
-    "kills", [pytest.param(5, marks=pytest.mark.sweep), pytest.param(40, marks=pytest.mark.thorough)]
+    "kills", [pytest.param(3, marks=pytest.mark.sweep), pytest.param(40, marks=pytest.mark.thorough)]
 )
 def test_the_whole_command_killed_over_an_old_result(here, kills):
     """Some tens of times, at instants spread over its run; the folder is always whole, and the next run sweeps up."""

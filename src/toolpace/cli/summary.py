@@ -244,9 +244,11 @@ def verdict(record: PlanRecord, verification: Verification) -> Text:
     """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
     within = f"within {printable(reading_in_words(record))}"
     wide = wider_than_default(record)
-    warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
+    words = [f"WIDER THAN THE DEFAULT: {wide}"] if wide else []
+    words += [f"NOT JUDGED: {printable(each)}" for each in verification.unjudged]
+    warning = ("".join(f"\n{each}" for each in words), "bold yellow")
     if verification.ok:
-        count = len(verification.checks)
+        count = len(verification.checks) - len(verification.unjudged)
         points = f"{verification.set_points} set-points at {format_time(verification.dt)}"
         return Text.assemble(("VERIFIED", "bold green"), f"  {within}; {count} checks on {points}", warning)
     found = verification.findings
@@ -306,7 +308,7 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
     """Every check, one a row, what was not checked, and the verdict."""
     table = new_table(("check", "worst", "allowed", "where", ""), left=("check", "where", ""))
     for row in verification.rows():
-        table.add_row(*cells(row, "" if row[-1] == "ok" else "bold red"))
+        table.add_row(*cells(row, {"ok": "", "FAILED": "bold red"}.get(row[-1], "bold yellow")))
     console.print(table)
     unchecked = ", ".join(AS_SAID)
     console.print(f"taken from the planner, checked against the other figures only: {unchecked}", soft_wrap=True)

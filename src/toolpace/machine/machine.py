@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -118,7 +119,7 @@ class Machine(ByValue, Posed):
             raise MachineError(
                 f"unknown machine '{which}'; {hint}built-in: {names}; or give the path of a .toml file"
             ) from None
-        return cls.from_toml(text, which)
+        return _built_in(text, which) if path == built_in and cls is Machine else cls.from_toml(text, which)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
@@ -278,6 +279,12 @@ class Machine(ByValue, Posed):
 
     def __repr__(self) -> str:
         return one_line(self, title(self.file, self.kind))
+
+
+@functools.cache
+def _built_in(text: str, name: str) -> Machine:
+    """A built-in machine, which is frozen, made once of the text of its file: that takes longer than many a program."""
+    return Machine.from_toml(text, name)
 
 
 def _exists(path: Path) -> bool:

@@ -117,7 +117,7 @@ def test_random_programs_do_not_move_otherwise_unsaid(dialect):
 @pytest.mark.sweep
 @pytest.mark.parametrize("dialect", RANDOM)
 def test_many_random_programs_do_not_move_otherwise_unsaid(dialect):
-    assert "unsaid" not in {outcome for _, _, outcome in random_outcomes(dialect, range(1000, 1100))}
+    assert "unsaid" not in {outcome for _, _, outcome in random_outcomes(dialect, range(1000, 1040))}
 
 
 def test_the_table_of_confusions_counts_each_program_once(tmp_path, capsys):

@@ -198,7 +198,7 @@ def mutated(seed: str, chance: random.Random) -> bytes:
 @pytest.mark.parametrize("dialect", [pytest.param(d, marks=pytest.mark.sweep) if d == "gcode" else d for d in SEEDS])
 def test_mutated_programs(dialect):
     chance = random.Random(20260101)
-    for number in range(2000):
+    for number in range(800):
         check(mutated(SEEDS[dialect], chance), dialect if number % 4 else None, MACHINE if number % 3 else None)
 
 
@@ -208,7 +208,7 @@ def test_mutated_programs_of_a_controller(controller):
     """Loops, calls, cycles and planes with something wrong in them end in a path or in one clear error."""
     chance = random.Random(20260102)
     assert len(read_for(controller, CONTROLLED[controller].replace("F#[100+1]", "F100"), MACHINE)) > 5
-    for number in range(700):
+    for number in range(280):
         text = mutated(CONTROLLED[controller], chance).decode("latin-1")
         try:
             path = read_for(controller, text or " ", MACHINE if number % 3 else None, most_blocks=3000)

@@ -105,7 +105,7 @@ def test_the_tool_is_where_the_motion_says_and_everything_leads_there(planned):
         assert np.linalg.norm(np.subtract(page.run(f"toolpace.onScreen({reached['tip']!r})")[:2], place[:2])) < 2.0
         # the time line
         box = page.page.locator("#timeline").bounding_box()
-        page.page.locator("#timeline canvas.cursor").click(position={"x": 52 + 0.5 * (box["width"] - 62), "y": 90})
+        page.page.locator("#timeline .cursors").click(position={"x": 52 + 0.5 * (box["width"] - 62), "y": 90})
         assert page.run("toolpace.state().t") == pytest.approx(0.5 * duration, rel=0.01)
         # the lists
         page.page.locator("[data-tab=blocks]").click()

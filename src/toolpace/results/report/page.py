@@ -99,7 +99,9 @@ def _verdict(verification: Verification | None) -> str:
     if verification is None:
         return '<span class="badge quiet">not verified</span>'
     if verification.ok:
-        return f'<span class="badge good">verified · {len(verification.checks)} checks</span>'
+        checks = len(verification.checks) - len(verification.unjudged)
+        unjudged = "".join(f" · not judged: {escape(each)}" for each in verification.unjudged)
+        return f'<span class="badge good">verified · {checks} checks{unjudged}</span>'
     return f'<span class="badge bad">verification failed · {len(verification.findings)} findings</span>'
 
 
@@ -235,7 +237,7 @@ def _checks(verification: Verification | None) -> str:
     for row in sorted(verification.rows(), key=lambda row: row[-1] == "ok"):
         *cells, verdict = (escape(cell) for cell in row)
         shown = "".join(f"<td>{cell}</td>" for cell in cells)
-        rows.append(f'<tr class="{"ok" if verdict == "ok" else "failed"}">{shown}<td>{verdict}</td></tr>')
+        rows.append(f'<tr class="{"failed" if verdict == "FAILED" else "ok"}">{shown}<td>{verdict}</td></tr>')
     fold = "" if verification.ok else " open"
     return (
         f'<section class="panel"><details{fold}><summary><h2>Verification</h2><span>from {verification.set_points} '

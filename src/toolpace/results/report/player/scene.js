@@ -11,7 +11,7 @@ class Space {
     this.element = element;
     // a computer without graphics draws thin lines with steps, and keeps up
     this.plain = drawsBySoftware();
-    this.renderer = new THREE.WebGLRenderer({ antialias: !this.plain, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.plain });
     this.renderer.setPixelRatio(this.plain ? 1 : Math.min(window.devicePixelRatio || 1, 2));
     element.prepend(this.renderer.domElement);
     this.scene = new THREE.Scene();
@@ -30,6 +30,8 @@ class Space {
     this.recolour();
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
+    // what was shown is gone by the time that paper is printed
+    window.addEventListener("beforeprint", () => this.render());
   }
 
   fixed(parent) {
@@ -256,8 +258,10 @@ class Space {
   draw() {
     if (this.waiting) return;
     this.waiting = true;
-    requestAnimationFrame(() => { this.waiting = false; this.renderer.render(this.scene, this.camera); });
+    requestAnimationFrame(() => { this.waiting = false; this.render(); });
   }
+
+  render() { this.renderer.render(this.scene, this.camera); }
 
   resize() {
     const { clientWidth: w, clientHeight: h } = this.element;
