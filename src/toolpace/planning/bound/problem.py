@@ -17,6 +17,9 @@ from toolpace.planning.optimal.solve import relief_of
 
 START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
+LEAST_ROOM = 0.1
+"""Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
+other side, where it is held as well."""
 SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
 PADDING = 40
@@ -54,14 +57,43 @@ class Knots:
         self.shift, self.root = np.zeros(self.rows.shape[:2]), np.zeros(self.rows.shape[:2])
         self.rows[:, lines.column], self.shift[:, lines.column], self.root[:, lines.column] = rows, shift, root
 
-    def linear(self, c: Floats) -> KnotRows:
-        """The same, what is a multiple of sqrt(z) made linear at coefficients c (n + 2,): not for a bound."""
+    def linear(self, c: Floats) -> tuple[KnotRows, Floats]:
+        """The same for the relaxation, sqrt(z) made linear at coefficients c (n + 2,), and (points, k) the factors of
+        `multipliers`. It gives multipliers; the bound is theirs in the problem itself.
+
+        Near its limit a row takes sqrt(z) for the inverse of the pace p, of which the wait is a part. The tangent is
+        linear in p, so that the row becomes one of jerk,
+
+            (r . u + shift + 2 root x - 1) / (root x^2) <= p                                    at sqrt(z) = x
+
+        which holds on its other side, too, far from the plan. Elsewhere it is linear in z.
+        """
         if self.lines is None:
-            return self.as_knots()
-        x = np.sqrt(np.repeat(self.state(c)[:, 0], np.diff(self.first)))[:, None]
-        rows = self.rows.copy()
-        rows[:, :, 0] += self.root / (2.0 * x)
-        return self.as_knots()._replace(rows=rows, shift=self.shift + self.root * x / 2.0, root=np.empty((0, 0)))
+            return self.as_knots(), np.empty((0, 0))
+        u, column, half = self.state(c), self.lines.column, self.rows.shape[1] // 2
+        x = np.sqrt(np.repeat(u[:, 0], np.diff(self.first)))[:, None]
+        rows, shift, root = self.rows[:, column], self.shift[:, column], self.root[:, column]
+        limit, by_pace = 1.0 - shift - root * x, root * x * x
+        value = self.used(u)[:, column] - (shift + root * x)
+        near = value > limit - 2.0 * root * x + LEAST_ROOM * limit
+        factor = np.where(near, 1.0 / np.where(near, by_pace, 1.0), 0.0)
+        by_z = np.where(near[:, :, None], 0.0, rows)
+        by_z[:, :, 0] += np.where(near, 0.0, root / (2.0 * x))
+        linear, shifts = self.rows.copy(), self.shift.copy()
+        linear[:, column], shifts[:, column] = by_z, np.where(near, 0.0, shift + root * x / 2.0)
+        none, further = np.zeros_like(rows), factor * (shift + 2.0 * root * x - 1.0)
+        whole = np.concatenate([linear[:, :half], none, linear[:, half:], factor[:, :, None] * rows], axis=1)
+        constants = np.concatenate([shifts[:, :half], none[:, :, 0], shifts[:, half:], further], axis=1)
+        return self.as_knots()._replace(rows=whole, shift=constants, root=np.empty((0, 0))), factor
+
+    def multipliers(self, found: Floats, factor: Floats) -> Floats:
+        """(points, rows, 2) those of the rows from those of `linear`."""
+        if self.lines is None:
+            return found
+        half, more = self.rows.shape[1] // 2, factor.shape[1]
+        out = np.concatenate([found[:, :half], found[:, half + more : 2 * half + more]], axis=1)
+        out[:, self.lines.column, 0] += factor * found[:, 2 * half + more :, 0]
+        return out
 
     def used(self, u: Floats) -> Floats:
         """(points, rows) value of the rows, constants with them, at z, z', z'' (n, 3)."""

@@ -148,9 +148,9 @@ def relaxed(
 ) -> Relaxation:
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
-    value, multipliers, wait, steps = relaxation.relax(
-        knots.linear(c), low, high, start, relief, tolerance, enough, MOST_STEPS
-    )
+    linear, factor = knots.linear(c)
+    value, found, wait, steps = relaxation.relax(linear, low, high, start, relief, tolerance, enough, MOST_STEPS)
+    multipliers = knots.multipliers(found, factor)
     if knots.lines is not None:
         value = knots.value(multipliers, low, high)
     return Relaxation(value, multipliers, wait, start, steps)
