@@ -14,7 +14,7 @@ from rich.text import Text
 from toolpace.cli import options
 from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
 from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
-from toolpace.common.errors import UsageError, printable
+from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import format_time, parse_feed, parse_length
 
 if TYPE_CHECKING:
