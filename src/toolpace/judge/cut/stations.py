@@ -16,9 +16,9 @@ PLACE, TILT = 1e-5, 1e-3
 """How far a station may be from the way of the tip [m], and its axis from that of the motion."""
 DIRECTION = 1e-6
 """By how much directions and shares of a motion may be off those that its stations tell."""
-SIMPLER, BEFORE = 2e-3, 2
-"""Share of a speed by which the profile may be below that of a station; stations before by which its places may have
-the speed of the slower neighbour."""
+SIMPLER, AHEAD = 2e-3, 1000
+"""Share of a speed by which the profile may be below that of a station, so that it has few places; stations in which
+the next of them is looked for first."""
 STEEP = 0.02
 """Share of a motion along the axis from which it is looked at what the flat of the end cuts: with less it slides."""
 IMMERSION = 0.03
@@ -80,7 +80,7 @@ def columns_check(judge: CutJudge, file: File) -> Check:
         "the axis of a station is not that of the motion": np.linalg.norm(lean - axis, axis=1) > TILT,
         "a station is in another block": (beside != file["station block"]).all(axis=0) & ~begins,
         "a station is in another operation": (operations != file["station operation"]).all(axis=0) & ~begins,
-        "a speed of the profile is that of no station": _without_station(file),
+        "a speed of the profile is that of no station": _without_station(file, begins),
         "a direction is not that between stations": _off_direction(file, np.cumsum(judge.rapid, dtype=np.int64)[row]),
     }
     for words, wrong in faults.items():
@@ -113,18 +113,20 @@ def _off_direction(file: File, rapids: Ints) -> Bools:
     return off
 
 
-def _without_station(file: File) -> Bools:
-    """(n,) true of the first station where the speeds of the profile are not, in their order, just below those that the
-    cut allows at stations."""
-    most, found = file["station most"], np.zeros(len(file["station most"]), dtype=np.bool_)
-    at = 0
+def _without_station(file: File, begins: Bools) -> Bools:
+    """(n,) true of the first station where the speeds of the profile are not, in their order, between that which the
+    cut allows at a station and the least of its neighbours; where a stretch begins the next station's holds."""
+    most = np.asarray(file["station most"], dtype=np.float64)
+    high = np.where(begins, np.append(most[1:], most[-1:]), most) * (1.0 + DIRECTION)
+    low = np.minimum(np.minimum(most, np.append(most[1:], np.inf)), np.append(np.inf, most[:-1])) * (1.0 - SIMPLER)
+    found, at = np.zeros(len(most), dtype=np.bool_), 0
     for speed in file["speed"][np.isfinite(file["speed"])].tolist() if "speed" in file else ():
-        begin, at = at, max(at - BEFORE, 0)
-        while at < len(most) and not (1.0 - SIMPLER) * most[at] <= speed <= (1.0 + DIRECTION) * most[at]:
-            at += 1
-        if at == len(most):
-            found[min(begin, len(most) - 1)] = True
+        fits = np.flatnonzero((low[at : at + AHEAD] <= speed) & (speed <= high[at : at + AHEAD]))
+        fits = fits if len(fits) else np.flatnonzero((low[at:] <= speed) & (speed <= high[at:]))
+        if not len(fits):
+            found[min(at, len(most) - 1)] = True
             break
+        at += int(fits[0]) + 1
     return found
 
 
