@@ -1,6 +1,6 @@
 """Three questions of a new user, answered in the app and its report by clicks and keys, with the seconds that takes.
 
-    python -m benchmarks.questions [--out FILE]
+    python -m benchmarks.questions [--program NAME]... [--out FILE]
 
     which block costs most?                          report: the tab of the longest blocks
     why is the tool slow at 12 s?                    report: 12 into the clock, and what stands beside it
@@ -135,14 +135,16 @@ def asked(page: Any, program: str, text: str) -> list[list[str]]:
 def main() -> None:
     """Ask all, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    programs = {"demo.ngc": impeller_program(), "positioned.nc": positioned(blocks=141)}
+    parser.add_argument("--program", action="append", choices=list(programs))
     parser.add_argument("--out", type=Path, default=RESULTS / "questions.md")
     options = parser.parse_args()
     heads = ["question", "answer", "clicks", "keys", "page loads", "waiting [s]", "hand and head [s]", "together [s]"]
     table = Table("Questions", heads, words=2)
     with tempfile.TemporaryDirectory() as folder, app(Path(folder) / "app") as address, browser() as (page, _):
         page.goto(address)
-        for program, text in (("demo.ngc", impeller_program()), ("positioned.nc", positioned(blocks=141))):
-            table.lines += asked(page, program, text)
+        for program in options.program or programs:
+            table.lines += asked(page, program, programs[program])
             print(*table.lines[-4:], sep="\n", flush=True)
     table.show()
     about = (
