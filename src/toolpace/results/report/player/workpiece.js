@@ -61,7 +61,9 @@ class Workpiece {
   // The stock as it is at a time, and the tool of the operation; whether there is one.
   pose(t, machine, length) {
     const { player } = this.space, stage = this.stock ? this.stock.stageAt(t, player.duration) : -1;
-    if (stage >= 0 && stage !== this.stage && !(player.playing && performance.now() < this.rested)) this.shape(stage);
+    // a computer without graphics gets a quarter of the triangles while it plays
+    const coarse = this.space.plain && !!player.playing;
+    if (stage >= 0 && (stage !== this.stage || coarse !== this.coarse) && !(player.playing && performance.now() < this.rested)) this.shape(stage, coarse);
     const now = this.tools[player.operationAt(t)] || null;
     for (const each of this.tools) if (each) each.visible = each === now;
     if (now) {
@@ -74,8 +76,8 @@ class Workpiece {
     return !!now;
   }
 
-  shape(stage) {
-    const begin = performance.now(), { corners, triangles, cut } = this.stock.surface(stage), colours = new Float32Array(corners.length);
+  shape(stage, coarse) {
+    const begin = performance.now(), { corners, triangles, cut } = this.stock.surface(stage, coarse), colours = new Float32Array(corners.length);
     cut.forEach((share, k) => { for (let d = 0; d < 3; d++) colours[3 * k + d] = RAW[d] + share * (MACHINED[d] - RAW[d]); });
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
@@ -83,7 +85,7 @@ class Workpiece {
     geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
     this.layers.stock.geometry.dispose();
     this.layers.stock.geometry = geometry;
-    this.stage = stage;
+    [this.stage, this.coarse] = [stage, coarse];
     this.rested = performance.now() + REST * (performance.now() - begin);
   }
 }
