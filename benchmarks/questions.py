@@ -14,6 +14,7 @@ keystroke-level model for user performance time with interactive systems, Comm. 
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import subprocess
 import sys
@@ -149,7 +150,7 @@ def main() -> None:
     table.show()
     about = (
         "`positioned.nc` has 25 operations in tilted planes. Waiting is measured; hand and head are estimated by the "
-        "keystroke-level model."
+        f"keystroke-level model. Load of the machine at the end: {os.getloadavg()[0]:.1f}."
     )
     written = written_by("python -m benchmarks.questions")
     options.out.write_text(f"# Three questions of a new user\n\n{written} {about}\n\n{table.markdown()}")
