@@ -19,19 +19,11 @@ from toolpace.common.units import format_time, parse_feed, parse_length
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
-    from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
-UNITS = {
-    "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
-    "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
-    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "compensated_deflection": ("um", 1e-6),
-    "feed_marks": ("um", 1e-6),
-}  # fmt: skip
-"""Limits of the cut, and the unit in which each is given."""
 SPINDLE = ("program", "range")
 SHOWN = 8
 """Teachers and overloads that are listed."""
@@ -116,6 +108,7 @@ class Allowed:
         from toolpace.cutting.feeds.rules import FeedRules
         from toolpace.cutting.feeds.schedule import PROGRAM_STEPS
         from toolpace.cutting.feeds.teaching import load_teachers
+        from toolpace.jobs.cut_options import cut_limits
 
         most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
         limits = cut_limits([*(self.limit or []), *most])
@@ -291,27 +284,6 @@ def coefficients_of(material: str) -> Coefficients:
     from toolpace.cutting.forces.material import Material
 
     return Material.load(material).coefficients
-
-
-def cut_limits(words: list[str]) -> dict[str, CutLimits]:
-    """Limits by tool, from words such as "force=400N" and "3:chip=0.1mm". Raises UsageError."""
-    from toolpace.cutting.feeds.limits import CutLimits
-
-    found: dict[str, dict[str, float]] = {}
-    for word in words:
-        tool, _, rest = word.rpartition(":")
-        name, _, value = rest.partition("=")
-        if name not in UNITS:
-            raise UsageError(f"--limit {word[:60]}: {name[:40]!r} is no limit; {did_you_mean(name, UNITS)}")
-        unit, scale = UNITS[name]
-        try:
-            figure = float(value.strip().removesuffix(unit)) * scale
-        except ValueError:
-            raise UsageError(f"--limit {word[:60]}: give {name} in {unit}, like {name}=20{unit}") from None
-        if name in found.setdefault(tool, {}):
-            raise UsageError(f"--limit {word[:60]}: {name} is given twice")
-        found[tool][name] = figure
-    return {tool: CutLimits(**limits) for tool, limits in found.items()}
 
 
 def show_feeds(console: Console, found: NewFeeds) -> None:

@@ -160,10 +160,11 @@ def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tupl
     ) + profile.radius * np.linalg.norm(turn, axis=1)
     spacing = np.full(len(most), min(cell, math.sqrt(8.0 * profile.radius * RIDGE * cell)))
     if profile.flat_radius > 0.0:
-        # an edge that moves askew to the flat leaves teeth between two poses
-        size = np.linalg.norm(step, axis=1)
-        sine = np.abs(np.einsum("ij,ij->i", step, axis[1:])) / np.where(size > 0.0, size, 1.0)
-        teeth = sine * np.sqrt(np.maximum(1.0 - sine**2, 0.0))
+        # an edge that moves askew to the flat leaves teeth between two poses; so does one that a turning axis moves
+        way = np.einsum("ij,ij->i", step, axis[1:])
+        along = np.abs(way) + profile.flat_radius * np.linalg.norm(turn, axis=1)
+        across = np.linalg.norm(step - way[:, None] * axis[1:], axis=1)
+        teeth = along * across / np.maximum(along**2 + across**2, 1e-30)
         spacing = np.minimum(spacing, np.maximum(0.05 * cell / np.maximum(teeth, 1e-9), cell / FINEST))
     count = np.maximum(np.ceil(most / spacing - 1e-9), 1.0).astype(np.int64)
     station = np.concatenate([[0], np.repeat(np.arange(1, len(tip)), count)])
