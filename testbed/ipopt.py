@@ -105,7 +105,7 @@ def over_lines(
     """Rows whose limits depend on the speed, less these limits, as they are: not linear in z."""
     lines, count, n = problem.lines, len(problem.node), len(offset)
     place = (np.repeat(np.arange(count), 4), (problem.first[:, None] + np.arange(4)).ravel())
-    ahead = sparse.csc_matrix((lines.state_ahead(problem.basis).ravel(), place), shape=(count, n))
+    ahead = sparse.csc_matrix((lines.ahead_of(problem.basis).ravel(), place), shape=(count, n))
     speed, speed_ahead = ca.sqrt(u[0]), ca.sqrt(dm(ahead @ expand) @ y + ahead @ offset)
     excess = []
     for k, is_jerk in enumerate(lines.is_jerk):

@@ -49,7 +49,9 @@ if TYPE_CHECKING:
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
-    from toolpace.machine.file import ChainFile, JointFile, MachineFile
+    from toolpace.machine.dynamics import Dynamics, Link, TorqueTerms
+    from toolpace.machine.dynamics.torques import torque_rows
+    from toolpace.machine.file import ChainFile, JointFile, MachineFile, WorkpieceFile
     from toolpace.machine.geometry import Geometry
     from toolpace.machine.limit_curves import CurvedLimit, LimitCurve
     from toolpace.machine.limits import Limits
@@ -115,6 +117,7 @@ __all__ = [
     "Cutter",
     "CuttingForces",
     "CuttingTool",
+    "Dynamics",
     "EndState",
     "EngagedDeflection",
     "EngagedForces",
@@ -135,6 +138,7 @@ __all__ = [
     "LeftRegion",
     "LimitCurve",
     "Limits",
+    "Link",
     "Machine",
     "MachineFile",
     "Material",
@@ -183,12 +187,14 @@ __all__ = [
     "ToolProfile",
     "ToolRule",
     "ToolpaceError",
+    "TorqueTerms",
     "Trajectory",
     "UnitWarning",
     "Usage",
     "Verification",
     "Workers",
     "WorkpieceFigures",
+    "WorkpieceFile",
     "Zone",
     "__version__",
     "apply_feed",
@@ -209,6 +215,7 @@ __all__ = [
     "report",
     "search_setup",
     "simulate_cut",
+    "torque_rows",
     "verify",
     "with_engaged_deflection",
     "write_set_up",
@@ -239,6 +246,7 @@ _HOME = {
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
+    "Dynamics": "machine.dynamics",
     "EndState": "planning.planned_run",
     "EngagedDeflection": "machine.cutting_tool",
     "EngagedForces": "cutting.forces.engaged",
@@ -259,6 +267,7 @@ _HOME = {
     "LeftRegion": "cutting.simulation.left_above_part",
     "LimitCurve": "machine.limit_curves",
     "Limits": "machine.limits",
+    "Link": "machine.dynamics",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
     "Material": "cutting.forces.material",
@@ -307,12 +316,14 @@ _HOME = {
     "ToolProfile": "cutting.tool_profile",
     "ToolRule": "programs.reading.controllers.tool_rules",
     "ToolpaceError": "common.errors",
+    "TorqueTerms": "machine.dynamics",
     "Trajectory": "motion.trajectory",
     "UnitWarning": "common.errors",
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
     "WorkpieceFigures": "programs.stock_figures",
+    "WorkpieceFile": "machine.file",
     "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
@@ -331,6 +342,7 @@ _HOME = {
     "report": "results.report",
     "search_setup": "setup_search.search",
     "simulate_cut": "cutting.simulation",
+    "torque_rows": "machine.dynamics.torques",
     "verify": "judge",
     "with_engaged_deflection": "cutting.forces.engaged_deflection",
     "write_set_up": "results.write.set_up_folder",

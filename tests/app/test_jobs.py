@@ -240,7 +240,10 @@ def test_what_feeds_by_the_cut_need_is_told_before_they_are_chosen(tmp_path):
         assert app.part(part)["inspection"]["cut_lacks"] == ["a stock", "the shape of tool 1"]
         app.upload("sheet.toml", SHEET, part)
         assert app.part(part)["inspection"]["cut_lacks"] == []
-        for more, told in (({}, "no limit"), ({"limits": "chips=1"}, "chip"), ({"limits": "force=400N"}, "material")):
+        for more, told in (
+            ({}, "no limit"), ({"limits": "chips=1"}, "chip"), ({"limits": "force=400N"}, "material"),
+            ({"limits": "force=400N", "material": "/etc/passwd"}, "material '/etc/passwd' is not known"),
+        ):  # fmt: skip
             request = {"machine": MACHINE, "feeds": "limits", **more}
             answer = app.ask("POST", f"/api/parts/{part}/jobs", json.dumps(request).encode())
             assert answer.status == 400 and told in answer.text

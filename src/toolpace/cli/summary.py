@@ -13,7 +13,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_lengt
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.machine.limit_curves import CURVE
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
@@ -152,7 +152,7 @@ def limit_in_words(name: str) -> str:
         return "no limit reached"
     if kind in KINDS and joint.startswith(CURVE):
         return f"{kind} of {joint.removeprefix(CURVE)} at its speed"
-    return f"{kind} of {joint}" if kind in KINDS else name
+    return f"{kind} of {joint}" if kind in (*KINDS, *MOTORS) else name
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -196,6 +196,9 @@ def usage_table(record: PlanRecord) -> Table:
         if over_speed:
             cells_of_joints = (_percent(over_speed[joint]) if joint in over_speed else "" for joint in values)
             table.add_row("  at its speed", *cells_of_joints)
+    if usage.motor:
+        of_motors = (_percent(usage.motor[joint]) if joint in usage.motor else Text("-") for joint in usage.velocity)
+        table.add_row("torque, force", *of_motors)
     if usage.feed > 0.0:
         table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
     return table
@@ -206,7 +209,8 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
     up in a line."""
     if not record.prices_s:
         return
-    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in KINDS}
+    kinds = (*KINDS, *MOTORS)
+    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
     for curve in machine.limits.curves:
         of_joint = f"{curve.kind} {curve.joint}"
         now[curve.name] = now[of_joint]
@@ -315,10 +319,12 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     _head(console, machine)
-    headings = ("joint", "travel", "velocity", "acceleration", "jerk")
+    table_rows = machine.summary()
+    motors = [kind for kind in MOTORS if any(kind in row for row in table_rows)]
+    headings = ("joint", "travel", "velocity", "acceleration", "jerk", *motors)
     table = new_table(headings, left=("joint",))
-    for row in machine.summary():
-        table.add_row(*cells(row[heading] for heading in headings))
+    for row in table_rows:
+        table.add_row(*cells(row.get(heading, "-") for heading in headings))
     console.print(table)
 
 

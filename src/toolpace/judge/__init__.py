@@ -18,6 +18,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.judge import seen_motion
+from toolpace.judge.alignment.sections import Sections, Steps
 from toolpace.judge.figures import Figures
 from toolpace.judge.motion import (
     column_checks,
@@ -30,7 +31,6 @@ from toolpace.judge.motion import (
 )
 from toolpace.judge.program import JudgedProgram, ProgramJudgement
 from toolpace.judge.rows import Stretch
-from toolpace.judge.sections import Sections, Steps
 from toolpace.judge.seen_motion import (
     ORDERS,
     BlockPeaks,
@@ -46,6 +46,7 @@ from toolpace.judge.seen_motion import (
     largest_misfits,
 )
 from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_lengths, tool_table
+from toolpace.judge.torque import JointTorques, torque_checks
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
@@ -187,6 +188,7 @@ class _Notes(NamedTuple):
     jerks: JerkWindows
     tool: BlockTool | None
     still: StillSteps
+    torque: Largest | None
 
 
 class MotionJudge:
@@ -200,6 +202,8 @@ class MotionJudge:
         self.machine = machine if isinstance(machine, Machine) else None
         limits = machine if isinstance(machine, Limits) else machine.limits
         self.limits, self.over_speed = limits.largest, limits.constants
+        torques = None if self.machine is None else JointTorques(self.machine.file)
+        self._torques = torques if torques is not None and np.isfinite(torques.limits).any() else None
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
@@ -253,6 +257,7 @@ class MotionJudge:
             JerkWindows.of(block, begin, behind, np.flatnonzero(~jumpy)),
             tool,
             StillSteps.of(block, begin, behind, limits, self.step),
+            None if self._torques is None else self._torques.largest(block, begin, end),
         )
 
     def _note_bad(self, block: Block) -> None:
@@ -279,6 +284,7 @@ class MotionJudge:
             return Verification((first,), math.nan, count), None
         if not self._goes_on:
             return Verification(tuple(self._steps), self.step, count), None
+        torques = [self._notes[begin].torque for begin in sorted(self._notes)]
         seen, machine, program = self._seen(), self.machine, self.program
         units = [""] * len(seen.joints)
         if machine is not None:
@@ -286,6 +292,9 @@ class MotionJudge:
         checks = self._steps + motion_checks(seen, self.limits, units, self._beyond if machine is not None else None)
         checks += curve_checks(self.source, self.over_speed, units, self.step, self._even)
         checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
+        if self._torques is not None:
+            largest = Largest.of_all([each for each in torques if each is not None])
+            checks += torque_checks(seen, largest, self._torques.limits, units)
         judged = ProgramJudgement([], math.nan, math.nan)
         if machine is not None:
             checks += self._names(machine) + tool_checks(seen, machine)

@@ -14,8 +14,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import printable
+from toolpace.judge.alignment.sections import Section
 from toolpace.judge.motion import TOLERANCE
-from toolpace.judge.sections import Section
 from toolpace.judge.seen_motion import SeenMotion, still_step
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check

@@ -11,13 +11,13 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.alignment import BothWays, Lost, align, room_at_poses
+from toolpace.judge.alignment.sections import Section, Sections, Steps
+from toolpace.judge.alignment.sweep import Line
 from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, WrongBlocks, untold_feeds
 from toolpace.judge.passage_times import Passages, Passing, SectionPassages, joined_stays, waiting
 from toolpace.judge.rows import MotionRow, joined, program_line, stretches_of
-from toolpace.judge.sections import Section, Sections, Steps
 from toolpace.judge.seen_motion import SeenMotion
-from toolpace.judge.sweep import Line
 from toolpace.judge.tool import forward_kinematics, way_lengths
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool

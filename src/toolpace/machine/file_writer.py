@@ -14,8 +14,9 @@ from toolpace.common.files.toml import toml_value
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
 from toolpace.machine.curves_file import curve_text, figures_of
-from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
+from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
+from toolpace.machine.limits import MOTORS
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
 """Units to write in: of those in which the figures are equally short, the first."""
@@ -55,6 +56,9 @@ def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
     lines += _chain(file, LENGTHS[length])
     for name in order:
         lines += [("", ""), *_joint(file, name, length, angle, leanings.get(name, ""))]
+    if file.workpiece is not None:
+        lines += [("", ""), ("[workpiece]", f"the part with its fixture, on {['the bed', *file.chain.workpiece][-1]}")]
+        lines += _body(file.workpiece, LENGTHS[length])
     return "".join(_laid_out(lines))
 
 
@@ -62,7 +66,8 @@ def units_of(file: MachineFile) -> tuple[str, str]:
     """The units of length and angle in which the figures of a machine are exact and shortest."""
     chain, joints = file.chain, list(file.joints.values())
     points = [*chain.spindle_nose, *chain.workpiece_origin, chain.tool_length]
-    lengths = points + [figure for joint in joints for figure in joint.point]
+    points += file.workpiece.centre if file.workpiece is not None else ()
+    lengths = points + [figure for joint in joints for figure in (*joint.point, *joint.centre)]
     lengths += [figure for joint in joints if joint.kind == "linear" for figure in _motion(joint)]
     angles = [figure for joint in joints if joint.kind == "rotary" for figure in _motion(joint)]
     return _shortest(lengths, LENGTH_ORDER, LENGTHS), _shortest(angles, ANGLE_ORDER, ANGLES)
@@ -138,6 +143,8 @@ def _chain(file: MachineFile, scale: float) -> Iterator[Line]:
     if chain.tool_axis != (0.0, 0.0, 1.0):
         yield f"tool_axis = {_figures(chain.tool_axis)}", "from the tip to the spindle"
     yield f"tool_length = {_figure(chain.tool_length, scale)}", "from the nose to the tip"
+    if chain.gravity != GRAVITY:
+        yield f"gravity = {_figures(chain.gravity)}", "m/s^2"
 
 
 def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) -> Iterator[Line]:
@@ -162,6 +169,29 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     for kind, power in (("acceleration", 2), ("jerk", 3)):
         figure, over = texts.get(kind, _figure(getattr(joint, kind), scale)), f" over {unit}/s" if kind in texts else ""
         yield f"{kind} = {figure}", f"{unit}/s^{power}{over}"
+    per = "N m" if rotary else "N"
+    for limit, what in ((joint.force, "force"), (joint.torque, "torque")):
+        if limit is not None:
+            yield f"{what} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    yield from _body(joint, LENGTHS[length])
+    for value, what, comment in (
+        (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
+        (joint.viscous_friction, "viscous_friction", f"{per} {'s/rad' if rotary else 's/m'}"),
+        (joint.dry_friction, "dry_friction", per),
+        (joint.balance, "balance", f"{per}, forwards, by a counterweight"),
+    ):
+        if value:
+            yield f"{what} = {_figure(value)}", comment
+
+
+def _body(body: JointFile | WorkpieceFile, scale: float) -> Iterator[Line]:
+    """Mass, centre and inertia, where there are any."""
+    if body.mass or isinstance(body, WorkpieceFile):
+        yield f"mass = {_figure(body.mass)}", "kg"
+    if body.centre != (0.0, 0.0, 0.0):
+        yield f"centre = {_figures(body.centre, scale)}", "of the mass, every joint at zero"
+    if any(body.inertia):
+        yield f"inertia = {_figures(body.inertia)}", f"kg m^2 about it, xx yy zz{' xy xz yz' * (len(body.inertia) > 3)}"
 
 
 def _carried(file: MachineFile, name: str) -> str:
@@ -198,7 +228,8 @@ def listed(names: Iterable[str]) -> str:
 
 
 def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
-    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits."""
+    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits; force or torque
+    where its motor has a limit."""
     table = []
     for name, joint in file.joints.items():
         unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
@@ -216,6 +247,9 @@ def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
                 "jerk": f"{_range(joint, 'jerk', scale)} {unit}/s^3",
             }
         )
+        if math.isfinite(joint.most_torque):
+            turns = joint.kind == "rotary"
+            table[-1][MOTORS[turns]] = f"{joint.most_torque:g} {('N', 'N m')[turns]}"
     return table
 
 

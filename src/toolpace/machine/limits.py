@@ -16,7 +16,8 @@ from toolpace.machine.limit_curves import CurvedLimit, check_curves
 from toolpace.machine.rows import Rows
 
 KINDS = ("velocity", "acceleration", "jerk")
-
+MOTORS = ("force", "torque")
+"""What limits of motors are named, of linear and of rotary joints: "force X", "torque A"."""
 
 MOST_SCALED = 20.0
 """Factor of limits that is not asked about: percents are more."""

@@ -33,12 +33,13 @@ NEWTON_STEPS = 30
 """For the speed at which a row meets a line: from far beyond it each step halves what is left at least."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Rows:
     """`count` rows of one limit along a path: |row| <= limit at any time, for each of them.
 
     Of acceleration: c1 z' + c0 z, with z = (ds/dt)^2. Of jerk: (c2 z'' + c1 z' + c0 z) sqrt(z). Raises UsageError for
-    a limit that is no positive number, and where the function gives something else than it should.
+    a limit that is no positive number, and where the function gives something else than it should. Equal are rows of
+    equal figures and of the same functions.
     """
 
     name: str
@@ -66,7 +67,7 @@ class Rows:
     jerk have the same lines on either side."""
     pieces: int = 1
     """How many lines each row has on a side, where limits depend on the speed."""
-    _lock: Lock = field(default_factory=Lock, init=False)
+    _lock: Lock = field(default_factory=Lock, init=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.kind not in ORDERS:
@@ -176,14 +177,22 @@ class Rows:
 
         Infinite where a limit that depends on the speed is zero or less.
         """
-        value = self.values(q, state)
-        if self.lines is not None:
-            above, below = self.limits_at(q, state[1])
-            limit = np.where(value >= 0.0, above, below)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                value = np.where(limit > 0.0, value / limit, np.where(value == 0.0, 0.0, np.inf))
-        largest: Floats = np.abs(value).max(axis=1)
+        largest: Floats = self.line_ratios(q, state).min(axis=2).max(axis=1)
         return largest
+
+    def line_ratios(self, q: Floats, state: Floats) -> Floats:
+        """(n, k, choices) the same over each line: of the least of the choices the largest counts. Smooth along a path,
+        where the limit bends, too."""
+        value = self.values(q, state)
+        if self.lines is None:
+            return np.abs(value)[:, :, None]
+        height, fall = np.moveaxis(self.line_shares(q), 5, 0)
+        above, below = height - fall * state[1][:, None, None, None]
+        value = value[:, :, None, None]
+        limit = np.where(value >= 0.0, above, below)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios: Floats = np.where(limit > 0.0, np.abs(value) / limit, np.where(value == 0.0, 0.0, np.inf))
+        return ratios.reshape(len(value), -1, ratios.shape[3])
 
     def steady(self, q: Floats) -> tuple[Floats, Floats]:
         """(n,) the most z at steady speed, and (n,) the most d3s/dt3 at rest; inf where the rows hold nothing."""
@@ -211,7 +220,8 @@ class Rows:
         height, fall = lines[..., 0], lines[..., 1] * speed[:, None, None, None]
         size = np.abs(value)[:, :, None, None] + np.zeros_like(height)
         with np.errstate(all="ignore"):
-            x = (height / size) ** (1.0 / power)
+            # where a line rises, as with friction that helps to brake, the root is further out
+            x = (height / size) ** (1.0 / power) + (np.maximum(-fall, 0.0) / size) ** (1.0 / (power - 1.0))
             x = np.where(np.isfinite(x), x, height / np.where(fall > 0.0, fall, 0.0))
             for _ in range(NEWTON_STEPS):  # convex in x: from beyond the root each step stays beyond it
                 step = (size * x**power + fall * x - height) / (power * size * x ** (power - 1.0) + fall)

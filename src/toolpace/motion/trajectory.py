@@ -323,7 +323,7 @@ class Trajectory:
             mesh_points=found.mesh_points,
             solve_seconds=found.solve_seconds,
             notes=() if exact else (INTERPOLATED,),
-            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk, found.curves),
+            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk, found.motor | found.curves),
         )
 
     def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:

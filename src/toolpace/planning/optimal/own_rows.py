@@ -59,15 +59,21 @@ class LineRows(NamedTuple):
         rows[there], fall[there] = 0.0, 0.0
         return self._replace(rows=rows, fall=fall)
 
-    def state_ahead(self, basis: Floats) -> Floats:
+    def ahead_of(self, basis: Floats) -> Floats:
         """(points, 4) z where acceleration is held, from the basis (points, 3, 4) of the points."""
         h = self.ahead[:, None]
         ahead: Floats = basis[:, 0] + h * (basis[:, 1] + h / 2.0 * basis[:, 2])
         return ahead
 
+    def speeds(self, basis: Floats, near: Floats) -> Floats:
+        """(points, k) ds/dt where each row is held, from basis and coefficients (points, 4) of the points."""
+        z = [(weights * near).sum(axis=1) for weights in (self.ahead_of(basis), basis[:, 0])]
+        speeds: Floats = np.sqrt(np.maximum(np.stack(z, axis=1), 0.0))[:, self.is_jerk.astype(np.int64)]
+        return speeds
+
     def chosen(self, x: Floats) -> tuple[Floats, Floats]:
-        """(points, k) height and fall of the largest choices at ds/dt x (points,)."""
-        largest = (self.height - self.fall * x[:, None, None]).argmax(axis=2)[:, :, None]
+        """(points, k) height and fall of the largest choices at ds/dt x (points, k)."""
+        largest = (self.height - self.fall * x[:, :, None]).argmax(axis=2)[:, :, None]
         height, fall = (np.take_along_axis(part, largest, axis=2)[:, :, 0] for part in (self.height, self.fall))
         return height, fall
 
@@ -80,12 +86,11 @@ class LineRows(NamedTuple):
         return height, (height - at_most) / most[:, None]
 
     def linear(self, x: Floats) -> tuple[Floats, Floats]:
-        """(points, k, 3) rows and (points, k) constants, made linear at ds/dt x (points,), that of acceleration where
-        it is held."""
+        """(points, k, 3) rows and (points, k) constants, made linear at ds/dt x (points, k)."""
         height, fall = self.chosen(x)
         rows, shift, root = self.scaled(height, fall)
         floor = LEAST_SHARE * np.abs(height) / np.maximum(np.abs(fall), 1e-300)
-        there = np.maximum(x[:, None], np.where(self.is_jerk, 0.0, floor))
+        there = np.maximum(x, np.where(self.is_jerk, 0.0, floor))
         there = np.where(root != 0.0, there, 1.0)
         slope, h = root / (2.0 * there), self.ahead[:, None]
         rows = rows + np.stack([slope, slope * h, slope * h * h / 2.0], axis=2)
@@ -99,10 +104,10 @@ class LineRows(NamedTuple):
         return self.rows / scale[:, :, None], shift, np.where(self.is_jerk, 0.0, fall / scale)
 
     def limits(self, x: Floats) -> Floats:
-        """(points, k) the limits of these rows at ds/dt x (points,), as they count in the scaled rows: 1 where a row
+        """(points, k) the limits of these rows at ds/dt x (points, k), as they count in the scaled rows: 1 where a row
         has no constant."""
         height, fall = self.chosen(x)
-        limit: Floats = (height - fall * x[:, None]) / np.where(self.is_jerk, height, np.abs(height) + 1.0)
+        limit: Floats = (height - fall * x) / np.where(self.is_jerk, height, np.abs(height) + 1.0)
         return limit
 
 

@@ -96,10 +96,10 @@ class Problem(OnMesh):
         self.rows, self.lines = rows, lines
         if lines is not None:
             self.shift = np.zeros(rows.shape[:2])
-            self._make_linear(np.zeros(len(rows)))
+            self._make_linear(np.zeros((len(rows), len(lines.column))))
 
     def _make_linear(self, x: Floats) -> None:
-        """Set the rows whose limits depend on the speed as they are linear at ds/dt x (points,)."""
+        """Set the rows whose limits depend on the speed as they are linear at ds/dt x (points, k)."""
         assert self.lines is not None
         self.rows[:, self.lines.column], self.shift[:, self.lines.column] = self.lines.linear(x)
 
@@ -109,7 +109,7 @@ class Problem(OnMesh):
             return self
         part = copy(self)
         part.rows, part.shift = self.rows.copy(), self.shift.copy()
-        part._make_linear(np.sqrt(np.maximum(self.z_ahead(c), 0.0)))
+        part._make_linear(self.lines.speeds(self.basis, c[self.first[:, None] + np.arange(4)]))
         return part
 
     def time(self, c: Floats) -> float:
@@ -117,12 +117,6 @@ class Problem(OnMesh):
         z = (self.basis[:, 0] * c[self.first[:, None] + np.arange(4)]).sum(axis=1)
         return float((self.weight / np.sqrt(z)).sum())
 
-    def z_ahead(self, c: Floats) -> Floats:
-        """(points,) z where acceleration is held, from coefficients c (n,)."""
-        assert self.lines is not None
-        near = c[self.first[:, None] + np.arange(4)]
-        z: Floats = (self.lines.state_ahead(self.basis) * near).sum(axis=1)
-        return z
 
     def lowered(self, by: Floats, between: Floats) -> Problem:
         """With limits divided by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between
