@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import threading
 from html import escape
@@ -229,6 +230,40 @@ def test_a_link_that_was_put_in_place_of_a_result_leads_nowhere(tmp_path, app, p
     assert app.ask("GET", f"/report/{job}").status == 200
 
 
+BENDS = "[tool]\ndiameter = '6 mm'\nteeth = 2\n[bending]\nstiffness = '20 N/um'\n[cutting]\nforce = [100, 0, 0]\n"
+
+
+def test_what_feeds_by_the_cut_need_is_told_before_they_are_chosen(tmp_path):
+    stuck = Stuck()
+    with app_client(tmp_path, stuck) as app:
+        part = app.upload("face.ngc", "G21 G90 G94\nT1 M6\nG43.4 H1\nG0 X0 Y0 Z30 A0 C0\nG1 Z-2 F600\nG1 X40\nM2\n")
+        assert app.part(part)["inspection"]["cut_lacks"] == ["a stock", "the shape of tool 1"]
+        app.upload("sheet.toml", SHEET, part)
+        assert app.part(part)["inspection"]["cut_lacks"] == []
+        for more, told in (
+            ({}, "no limit"), ({"limits": "chips=1"}, "chip"), ({"limits": "force=400N"}, "material"),
+            ({"limits": "force=400N", "material": "/etc/passwd"}, "material '/etc/passwd' is not known"),
+        ):  # fmt: skip
+            request = {"machine": MACHINE, "feeds": "limits", **more}
+            answer = app.ask("POST", f"/api/parts/{part}/jobs", json.dumps(request).encode())
+            assert answer.status == 400 and told in answer.text
+        job = app.start(part, feeds="limits", limits="chip=0.08mm, 1:force=400N", material="Al7075-T6")
+        command = next(each["command"] for each in app.state()["jobs"] if each["id"] == job)
+        assert "--limit chip=0.08mm --limit 1:force=400N --material Al7075-T6" in command
+
+
+def test_a_tool_that_bends_is_compensated_where_its_file_is_there(tmp_path):
+    with app_client(tmp_path, Stuck()) as app:
+        part = app.upload("pocket.ngc", SHORT)
+        request = json.dumps({"machine": MACHINE, "bend": True}).encode()
+        answer = app.ask("POST", f"/api/parts/{part}/jobs", request)
+        assert answer.status == 400 and "tool that bends" in answer.text
+        app.upload("cutter.toml", BENDS, part)
+        assert app.part(part)["tool"] == "cutter.toml" and app.part(part)["sheet"] == ""
+        app.start(part, bend=True)
+        assert "--bend cutter.toml" in app.state()["jobs"][-1]["command"]
+
+
 @pytest.mark.sweep
 def test_feeds_by_the_cut_are_planned_and_loaded(tmp_path):
     """In air before and behind a box of 40 mm; without the tool on the sheet it is one line, with its cure."""
@@ -248,6 +283,9 @@ def test_feeds_by_the_cut_are_planned_and_loaded(tmp_path):
         assert "face.ngc" in page.text and str(tmp_path) not in page.text
         assert "toolpace feeds face.ngc" in air["command"] and "--air-feed 3000mm/min" in air["command"]
         assert app.ask("GET", f"/feeds/{usual['id']}").status == 404
+        limited = app.job(app.start(part, effort="low", feeds="limits", limits="chip=0.02mm"))
+        assert (limited["verdict"], limited["error"]) == ("verified", "") and limited["feeds_page"]
+        assert "--feeds limits" in limited["command"] and "--limit chip=0.02mm" in limited["command"]
 
 
 @pytest.mark.sweep

@@ -16,8 +16,9 @@ import pytest
 
 import toolpace as tp
 from tests.support.report_pages import watched
+from toolpace.common.errors import UsageError
 from toolpace.controls.live.server import EVENT, VIEWERS, Audience
-from toolpace.controls.live.view import LiveView
+from toolpace.controls.live.view import LiveView, live_page
 from toolpace.deflection.following import Follower, Measurement
 from toolpace.results.report import limit_shares
 
@@ -150,6 +151,7 @@ def test_the_server_ends_with_the_command(follower):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_a_browser_shows_it_until_it_ends(view, follower):
     with watched(view.address, width=700, scheme="dark") as page:
         # as many as the pipe holds: none is dropped
@@ -163,3 +165,25 @@ def test_a_browser_shows_it_until_it_ends(view, follower):
         assert page.run("document.documentElement.scrollWidth") <= 701
         assert page.problems == []
         assert all(url.startswith((view.address, "data:")) for url in page.requests)
+
+
+@pytest.mark.browser
+def test_the_machine_moves_as_its_joints_do(follower, machine):
+    """The tip is where the follower put it, path and correction together."""
+    follower.reset()
+    with LiveView(follower, "short.law", machine) as view, watched(view.address, width=700) as page:
+        points = stepped(follower, 150, view)
+        page.wait(f"document.getElementById('q-0').textContent === '{1e3 * points[-1].q[0]:.4f}'")
+        page.page.wait_for_timeout(100)
+        (tip,), _ = machine.forward(points[-1].q[None], np.array([machine.tool_length]))
+        shown = page.run("toolpace.tip()")
+        assert np.abs(np.array(shown) - 1e3 * tip).max() < 1e-3
+        page.page.click("[data-camera=machine]")
+        assert page.page.locator("#plane").count() == 0 and page.page.locator("#space canvas").is_visible()
+        assert page.run("document.documentElement.scrollWidth") <= 701
+        assert page.problems == []
+
+
+def test_another_machine_than_that_of_the_law_is_refused(follower):
+    with pytest.raises(UsageError, match="for another machine"):
+        live_page(follower, "short.law", np.ones(5), tp.Machine.load("xyzbc-trunnion"))

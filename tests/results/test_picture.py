@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.cli import main
+from toolpace.cli.commands.picture import write_video
 from toolpace.machine.machine import Machine
 from toolpace.results.picture import draw
 from toolpace.results.picture.draw import VIEWS, ShownPlan, picture
@@ -152,11 +154,30 @@ def test_files_are_what_was_asked_for(planned, tmp_path, capsys):
     assert str(tmp_path / "x.gif") in capsys.readouterr().out.replace("\n", "")
 
 
+def test_a_video_shows_the_moments_that_were_asked_for(planned, tmp_path, monkeypatch, capsys):
+    av = pytest.importorskip("av")
+    file, duration, told = tmp_path / "x.mp4", planned.shown.duration, []
+    assert write_video(file, planned.shown, (0.0, duration), 0.2, "iso", (96, 72), told.append) == 5
+    assert told == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
+    with av.open(str(file)) as video:
+        frames = [each.to_ndarray(format="rgb24") for each in video.decode(video=0)]
+    drawn = [picture(planned.shown, t, "iso", (96, 72)).astype(float) for t in np.linspace(0.0, duration, 5)]
+    assert len(frames) == 5
+    # lossy, with colours of two pixels each: nearer to its own moment than to any other
+    for k, frame in enumerate(frames):
+        off = [np.abs(frame - each).mean() for each in drawn]
+        assert int(np.argmin(off)) == k and off[k] < 8.0
+    words = ["picture", str(planned.place / "plan"), "--to", str(file), "--size"]
+    assert main([*words, "97x72"]) == 2 and "even" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "av", None)
+    assert main([*words, "96x72"]) == 2 and "toolpace[video]" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "error"),
     [
         ([], "give one of --out"),
-        (["--to", "x.mp4"], "ffmpeg makes an mp4"),
+        (["--to", "x.mpg"], "it ends with .gif or .mp4"),
         (["-o", "x.jpg"], "it ends with .png"),
         (["-o", "nowhere/x.png"], "folder does not exist"),
         (["-o", "x.png", "--view", "<b>"], "give one of iso"),

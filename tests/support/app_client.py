@@ -148,7 +148,7 @@ class AppClient:
         assert answer.status == 200, answer.text
         return answer.json()["part"]
 
-    def start(self, part: str, **request: str) -> str:
+    def start(self, part: str, **request: str | bool) -> str:
         """The id of a job."""
         return self.done("POST", f"/api/parts/{part}/jobs", {"machine": "xyzac-trunnion", **request})["job"]
 

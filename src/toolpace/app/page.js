@@ -2,10 +2,10 @@ const $ = (id) => document.getElementById(id);
 const OFTEN = 700, SELDOM = 2500;
 const FEEDS = [
   ["program", "as the program says"], ["none", "as fast as the machine can"],
-  ["air", "faster in air (needs stock and tools)"], ["learned", "as loaded elsewhere in it (needs stock and tools)"],
+  ["air", "faster in air"], ["learned", "as loaded elsewhere in it"], ["limits", "as limits of the cut allow"],
   ["own", "another feed or factor"],
 ];
-const CUT = ["air", "learned"];
+const CUT = ["air", "learned", "limits"];
 const EFFORTS = [["low", "low: the smoothest path"], ["normal", "normal"], ["high", "high: a thorough optimisation"]];
 const OPTIONS = {
   controller: (v) => v ? `Read it as a program of ${v}` : "Name its control",
@@ -110,8 +110,8 @@ function show() {
     $("part").replaceChildren(...["program", "sheet", "plan", "jobs"].map((name) => h("section", { class: "panel", id: name })));
   }
   put($("program"), "program", [part.program, part.inspection, part.inspecting, part.reading, form(part).machine], () => programPanel(part));
-  put($("sheet"), "sheet", [part.sheet, part.beside, part.controller, part.sheet_error, part.writing_sheet], () => sheetPanel(part));
-  put($("plan"), "plan", [state.machines, part.inspection && part.inspection.machines, part.id], () => planPanel(part));
+  put($("sheet"), "sheet", [part.sheet, part.beside, part.controller, part.tool, part.sheet_error, part.writing_sheet], () => sheetPanel(part));
+  put($("plan"), "plan", [state.machines, state.materials, part.inspection && [part.inspection.machines, part.inspection.cut_lacks], part.tool, part.id], () => planPanel(part));
   showJobs(part);
 }
 function word(part) {
@@ -122,7 +122,7 @@ function word(part) {
 }
 function form(part) {
   const found = part.inspection, machines = found && found.machines || [];
-  forms[part.id] ??= { machine: "", tip_tolerance: "", axis_tolerance: "", feeds: "program", own: "3000mm/min", air_feed: "", effort: "normal", tool_length: "" };
+  forms[part.id] ??= { machine: "", tip_tolerance: "", axis_tolerance: "", feeds: "program", own: "3000mm/min", air_feed: "", limits: "", material: "", effort: "normal", tool_length: "", bend: false };
   const values = forms[part.id];
   if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines[0] || "";
   return values;
@@ -213,7 +213,7 @@ function field(name, label, values, change, more = {}, when = "onchange") {
   return h("label", {}, label, h("input", { type: "text", name, value: values[name] ?? "", spellcheck: "false", autocomplete: "off", maxlength: "200", "data-focus": name, [when]: (event) => change(event.target.value.trim()), ...more }));
 }
 function select(name, label, choices, value, change) {
-  const made = h("select", { name, "data-focus": name, onchange: (event) => change(event.target.value) }, choices.map(([key, words]) => h("option", { value: key }, words)));
+  const made = h("select", { name, "data-focus": name, onchange: (event) => change(event.target.value) }, choices.map(([key, words, disabled]) => h("option", { value: key, disabled: !!disabled }, words)));
   made.value = value;
   return h("label", {}, label, made);
 }
@@ -255,13 +255,14 @@ function sheetPanel(part) {
     button(part.sheet ? "Show and change it" : "Type one", open, "plain", { "data-focus": "open" }),
     part.sheet ? button("Take it away", () => go("PUT", `/api/parts/${part.id}/sheet`, ""), "plain", { "data-focus": "away" }) : null,
   ].filter((each) => each);
-  const files = [part.sheet ? `sheet: ${part.sheet}` : "no sheet: work offsets, tools and zero are assumed", part.controller ? `control: ${part.controller}` : "", part.beside.length ? `beside it: ${part.beside.join(", ")}` : ""];
+  const files = [part.sheet ? `sheet: ${part.sheet}` : "no sheet: work offsets, tools and zero are assumed", part.controller ? `control: ${part.controller}` : "", part.tool ? `tool that bends: ${part.tool}` : "", part.beside.length ? `beside it: ${part.beside.join(", ")}` : ""];
   return [h("div", { class: "head" }, h("h2", {}, "Set-up sheet"), h("div", { class: "row" }, buttons)),
     h("p", { class: "lead" }, files.filter((each) => each).join(" · ")), part.sheet_error ? h("p", { class: "bad" }, part.sheet_error) : "", place];
 }
 
 function planPanel(part) {
-  const values = form(part), fit = part.inspection && part.inspection.machines || [];
+  const values = form(part), fit = part.inspection && part.inspection.machines || [], lacks = part.inspection && part.inspection.cut_lacks || [];
+  const feeds = FEEDS.map(([name, words]) => [name, words, CUT.includes(name) && lacks.length && values.feeds !== name]);
   const set = (name) => (value) => { values[name] = value; if (name === "feeds" || name === "machine") { delete drawn.plan; delete drawn.program; show(); } };
   const machines = [...(values.machine ? [] : [["", "choose a machine"]]), ...state.machines.map((name) => [name, fit.includes(name) ? name : `${name} (cannot run it)`])];
   const typed = (name, label, more) => field(name, label, values, set(name), more, "oninput");
@@ -269,19 +270,26 @@ function planPanel(part) {
     event.preventDefault();
     const request = { machine: values.machine, tip_tolerance: values.tip_tolerance, axis_tolerance: values.axis_tolerance, effort: values.effort, tool_length: values.tool_length,
       feeds: values.feeds === "own" ? values.own : values.feeds, air_feed: CUT.includes(values.feeds) ? values.air_feed : "" };
-    await go("POST", `/api/parts/${part.id}/jobs`, JSON.stringify(request));
+    const byLimits = values.feeds === "limits";
+    await ask(part, { ...request, limits: byLimits ? values.limits : "", material: byLimits ? values.material : "", bend: values.bend && !!part.tool });
   };
   return h("form", { onsubmit: start }, h("h2", {}, "Plan"), h("div", { class: "form" },
     select("machine", "machine", machines, values.machine, set("machine")),
     typed("tip_tolerance", "tolerance of the tip", { placeholder: "0.01mm, or less as it asks" }),
     typed("axis_tolerance", "tolerance of the tool axis", { placeholder: "0.05deg, or less as it asks" }),
-    select("feeds", "feeds", FEEDS, values.feeds, set("feeds")),
+    select("feeds", "feeds", feeds, values.feeds, set("feeds")),
     values.feeds === "own" ? typed("own", "feed (3000mm/min) or factor (120%)") : "",
+    values.feeds === "limits" ? typed("limits", "limits of the cut, of all tools or one", { placeholder: "chip=0.08mm, 3:force=400N" }) : "",
+    values.feeds === "limits" ? select("material", "material, for forces", [["", "none"], ...state.materials.map((name) => [name, name])], values.material, set("material")) : "",
     CUT.includes(values.feeds) ? typed("air_feed", "feed in air", { placeholder: "as the slowest axis" }) : "",
     select("effort", "effort", EFFORTS, values.effort, set("effort")),
-    typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" })),
+    typed("tool_length", "tool length, without a sheet", { placeholder: "the machine's" }),
+    part.tool ? check("bend", `compensate the bending by ${part.tool}`, values.bend, set("bend")) : ""),
+  lacks.length ? h("p", { class: "lead" }, `Feeds by the cut need ${lacks.join(", ")}: write it into the set-up sheet.`) : "",
   h("button", { type: "submit", class: "plain main", "data-focus": "start" }, "Start"));
 }
+
+const ask = (part, request) => go("POST", `/api/parts/${part.id}/jobs`, JSON.stringify(request));
 
 // jobs
 
@@ -308,6 +316,7 @@ function jobPanel(part, job, first) {
     job.report ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/report/${job.id}`, "data-focus": `look ${job.id}` }, "Look") : null,
     job.feeds_page ? h("a", { class: "plain", target: "_blank", rel: "noopener", href: `/feeds/${job.id}`, "data-focus": `feeds ${job.id}` }, "Feeds") : null,
     job.program ? h("a", { class: "plain", href: `/program/${job.id}`, download: "", "data-focus": `load ${job.id}` }, "Load program") : null,
+    job.report && job.wider ? button(`Try ${job.wider.replace("um", " µm")}`, () => ask(part, { ...request, tip_tolerance: job.wider }), "plain", { title: "the same with twice the tolerance of the tip", "data-focus": `wider ${job.id}` }) : null,
     ended ? button("Change", () => change(part, request), "plain", { "data-focus": `change ${job.id}` }) : act("Stop", "POST", `/api/jobs/${job.id}/stop`),
     job.state === "stopped" || (ended && job.error) ? act("Again", "POST", `/api/jobs/${job.id}/again`) : null,
     ended ? act("Remove", "DELETE", `/api/jobs/${job.id}`) : null,
@@ -321,7 +330,7 @@ function jobPanel(part, job, first) {
     : job.state === "waiting" ? h("span", { class: "quiet" }, `waits, ${job.before} before it`)
     : job.state === "stopped" ? h("span", { class: "quiet" }, "stopped") : h("span", { class: "bad grow" }, job.error);
   const feeds = (FEEDS.find(([name]) => name === request.feeds) || [, `feed ${request.feeds}`])[1].split(" (")[0];
-  const words = [`job ${job.number}`, request.machine, request.tip_tolerance ? `tip ${request.tip_tolerance}` : "usual tolerance", request.axis_tolerance ? `axis ${request.axis_tolerance}` : "", feeds, request.air_feed ? `${request.air_feed} in air` : "", request.effort === "normal" ? "" : `effort ${request.effort}`,
+  const words = [`job ${job.number}`, request.machine, request.tip_tolerance ? `tip ${request.tip_tolerance}` : "usual tolerance", request.axis_tolerance ? `axis ${request.axis_tolerance}` : "", feeds, request.limits, request.material, request.air_feed ? `${request.air_feed} in air` : "", request.bend ? "bending compensated" : "", request.effort === "normal" ? "" : `effort ${request.effort}`,
     request.tool_length ? `tool ${request.tool_length}` : "", job.air_s === null ? "" : `${seconds(job.air_s)} of it at feed in air`, job.gap ? `at most ${job.gap} above the best possible` : "", job.limits ? `limited by ${job.limits}` : ""];
   return h("article", { class: "job" }, h("div", { class: "row top" }, tick, outcome, h("div", { class: "row buttons" }, buttons)),
     h("p", { class: "words" }, words.filter((word) => word).join(" · ")),

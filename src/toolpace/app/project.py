@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import msgspec
 
@@ -29,6 +29,9 @@ from toolpace.jobs.batch import BatchJob, BatchRow
 from toolpace.kernels.lock import FileLock, NoLocksError
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
+
+if TYPE_CHECKING:
+    from toolpace.cutting.feeds.rules import FeedRules
 
 PARTS, JOBS, MACHINES, PLANS, COMPARISONS = "parts", "jobs", "machines", "plans", "comparisons"
 PART, JOB, FILES = "part.json", "job.json", "files"
@@ -45,10 +48,10 @@ LONGEST_NAME = 200
 """Bytes of the name of a file: file systems take 255, and temporary names are longer."""
 FORBIDDEN = re.compile(r'[/\\:*?"<>|]')
 """Characters that lead to another folder, or that no name has on Windows."""
-CUT_FEEDS = ("air", "learned")
+CUT_FEEDS = ("air", "learned", "limits")
 """Feeds that follow from the cut; others are those of the option --feed."""
 State = Literal["waiting", "ended", "stopped"]
-Role = Literal["program", "sheet", "machine", "controller", "beside"]
+Role = Literal["program", "sheet", "machine", "controller", "tool", "beside"]
 Record = TypeVar("Record", bound=msgspec.Struct)
 
 
@@ -75,6 +78,8 @@ class Part(msgspec.Struct, frozen=True, kw_only=True):
     sheet: str = ""
     controller: str = ""
     """File of a controller."""
+    tool: str = ""
+    """File of a tool that bends."""
     beside: tuple[str, ...] = ()
     """Meshes, subprograms, tables."""
     reading: Reading = Reading()
@@ -90,11 +95,17 @@ class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     axis_tolerance: str = ""
     """Empty: those that commands take without, 0.01 mm and 0.05 deg or less as the program asks."""
     feeds: str = "program"
-    """program: as they are; air, learned: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
+    """program: as they are; air, learned, limits: by the cut; else as --feed has it: none, 120%, 3000mm/min."""
     air_feed: str = ""
     """In air, where feeds are by the cut; empty: what the slowest linear axis allows."""
+    limits: str = ""
+    """Of the cut, where feeds are by them, separated by commas: chip=0.08mm, 3:force=400N."""
+    material: str = ""
+    """What is cut, for limits of a force."""
     effort: str = "normal"
     tool_length: str = ""
+    bend: bool = False
+    """Whether the bending of the tool, by the part's file of it, is compensated."""
 
 
 class AppJob(msgspec.Struct, frozen=True, kw_only=True):
@@ -154,6 +165,8 @@ def role_of(name: str, data: bytes, of_part: bool) -> Role:
             return "sheet"
         if "joints" in tables:
             return "machine"
+        if {"bending", "cutting"} & set(tables):
+            return "tool"
         return "controller" if {"like", "language"} & set(tables) else "sheet"
     return "beside" if of_part or name.lower().endswith((".stl", ".3mf", ".obj")) else "program"
 
@@ -284,8 +297,13 @@ class Project:
             max_blocks=reading.max_blocks,
             columns=reading.columns,
             units=reading.units,
-            **({"what": "inspect"} if request is None else self._planned(request)),
+            **({"what": "inspect"} if request is None else self._planned(request) | self._bent(part, request)),
         )
+
+    def _bent(self, part: Part, request: Request) -> dict[str, Any]:
+        if request.bend and not part.tool:
+            raise UsageError("no file of a tool that bends is there; drop one (.toml with [tool] and [bending])")
+        return {"bend": str(self.files(part.id) / part.tool) if request.bend else None}
 
     def _planned(self, request: Request) -> dict[str, Any]:
         """What of a job of a batch a request tells, in SI."""
@@ -294,8 +312,7 @@ class Project:
         machines = self.machines()
         if request.machine not in machines:
             raise UsageError(f"machine '{printable(request.machine[:40])}' is not there; choose one of the list")
-        if request.air_feed:
-            units.parse_feed(request.air_feed)
+        cut_rules(request)
         return {
             "machine": machines[request.machine],
             "tip_tolerance": units.parse_length(request.tip_tolerance) if request.tip_tolerance else None,
@@ -306,6 +323,39 @@ class Project:
         }
 
 
+def cut_rules(request: Request) -> FeedRules | None:
+    """The rules of feeds by the cut; None where it sets none. Raises UsageError."""
+    if request.feeds not in CUT_FEEDS:
+        return None
+    from toolpace.common.units import parse_feed
+    from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.cutting.feeds.schedule import PROGRAM_STEPS
+    from toolpace.cutting.forces.material import Material
+    from toolpace.jobs.cut_options import cut_limits
+
+    if request.material and request.material not in Material.names():  # no file is named in a request
+        cure = did_you_mean(request.material, Material.names())
+        raise UsageError(f"material '{printable(request.material[:40])}' is not known; {cure}")
+    limits = {} if request.feeds != "limits" else cut_limits(limit_words(request))
+    if request.feeds == "limits" and not limits:
+        raise UsageError("no limit of the cut is given; add one, such as chip=0.08mm")
+    rules = FeedRules(
+        way=request.feeds,
+        air_feed=parse_feed(request.air_feed) if request.air_feed else None,
+        steps=PROGRAM_STEPS,
+        limits=limits,
+        materials={"": Material.load(request.material).coefficients} if request.material else {},
+    )
+    for tool in limits:
+        rules.limits_of(tool)
+    return rules
+
+
+def limit_words(request: Request) -> list[str]:
+    """Its limits of the cut, each as the option --limit has it."""
+    return [word.strip() for word in request.limits.split(",") if word.strip()]
+
+
 def command_of(part: Part, job: AppJob) -> str:
     """The command that does the same in the folder of the part's files."""
     request, reading = job.request, job.reading
@@ -314,6 +364,7 @@ def command_of(part: Part, job: AppJob) -> str:
     words += ["--axis-tolerance", request.axis_tolerance] if request.axis_tolerance else []
     words += ["--effort", request.effort] if request.effort != "normal" else []
     words += ["--tool-length", request.tool_length] if request.tool_length else []
+    bend = ["--bend", part.tool] if request.bend else []
     how = ["--setup", part.sheet] if part.sheet else []
     how += ["--controller", part.controller or reading.controller] if part.controller or reading.controller else []
     for name in ("dialect", "compensation", "columns", "units"):
@@ -324,8 +375,10 @@ def command_of(part: Part, job: AppJob) -> str:
         new = f"new-{part.program}"
         feeds = ["toolpace", "feeds", part.program, *words[3:], "--feeds", request.feeds, "-o", new, *how]
         feeds += ["--air-feed", request.air_feed] if request.air_feed else []
-        return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *how])}"
-    return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *how])
+        feeds += [word for limit in limit_words(request) for word in ("--limit", limit)]
+        feeds += ["--material", request.material] if request.material else []
+        return f"{shlex.join(feeds)} && {shlex.join(['toolpace', 'plan', new, *words[3:], *bend, *how])}"
+    return shlex.join([*words, *(["--feed", request.feeds] if request.feeds != "program" else []), *bend, *how])
 
 
 def _records(folder: Path, name: str, kind: type[Record]) -> list[Record]:

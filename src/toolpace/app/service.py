@@ -33,6 +33,7 @@ from toolpace.app.worker import Line, Worker
 from toolpace.common import __version__
 from toolpace.common.errors import ToolpaceError, UsageError, printable
 from toolpace.common.files import write_text
+from toolpace.cutting.forces.material import Material
 from toolpace.jobs.batch.folder import RESULTS
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.controllers.controller import Controller
@@ -95,6 +96,8 @@ class Service:
                 found = msgspec.structs.replace(found, sheet=name)
             elif role == "controller":
                 found = msgspec.structs.replace(found, controller=name)
+            elif role == "tool":
+                found = msgspec.structs.replace(found, tool=name)
             elif name != found.program:
                 found = msgspec.structs.replace(found, beside=tuple(dict.fromkeys([*found.beside, name])))
             self._changed(found)
@@ -324,6 +327,7 @@ class Service:
             return {
                 "version": __version__, "folder": shown_folder(self.project.root),
                 "machines": list(self.project.machines()), "controllers": Controller.names(),
+                "materials": Material.names(),
                 "parts": parts, "jobs": jobs,
             }  # fmt: skip
 
@@ -371,7 +375,7 @@ def _row_record(job: AppJob) -> dict[str, Any]:
     """What of a row the page shows."""
     row = job.row
     if row is None:
-        return {"verdict": "", "duration_s": None, "air_s": None, "gap": "", "limits": "", "report": False}
+        return {"verdict": "", "duration_s": None, "air_s": None, "gap": "", "limits": "", "report": False, "wider": ""}
     binding = [(name, share) for name, share in row.limited_by.items() if name not in ("nothing", "dwell")]
     limits = sorted(binding, key=lambda item: -item[1])[:LIMITS_SHOWN]
     return {
@@ -381,4 +385,6 @@ def _row_record(job: AppJob) -> dict[str, Any]:
         "gap": "" if row.gap is None else at_most(row.gap),
         "limits": ", ".join(f"{limit_words(name)} {percent(share)}" for name, share in limits if share >= 0.01),
         "report": bool(row.folder),
+        # twice the tolerance, for those who ask what it would bring
+        "wider": f"{2e3 * row.tip_tolerance_mm:.6g}um" if row.tip_tolerance_mm else "",
     }

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from toolpace.app.project import COMPARISONS, CUT_FEEDS, FEEDS_PAGE, AppJob, Part, Project
+from toolpace.app.project import COMPARISONS, CUT_FEEDS, FEEDS_PAGE, AppJob, Part, Project, cut_rules
 from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file, write_text
 from toolpace.common.files.toml import toml_value
@@ -131,12 +131,13 @@ def inspect_part(project: Project, part: Part) -> dict[str, Any]:
     """What `toolpace inspect --json` says of a part, with the cures that can be applied. Raises ToolpaceError."""
     from toolpace.jobs.inspection import inspection_record
 
-    found, _, _ = _inspected(project, part)
+    found, _, setup = _inspected(project, part)
     refused = [each for each in found.refused if not (part.reading.lenient and each.certain)]
     record = inspection_record(dataclasses.replace(found, refused=tuple(refused)))
     # Where the reading ends though unread words are skipped, there is no tip, and skipping them is no cure.
     skips = found.tip is not None and not part.reading.skip_unknown
     record["cures"] = cures(refused, found.needs, skips)
+    record["cut_lacks"] = cut_lacks(found, setup)
     told: dict[str, Any] = msgspec.to_builtins(record)
     return told
 
@@ -160,6 +161,13 @@ def _inspected(project: Project, part: Part) -> tuple[Inspection, tuple[Machine,
     source = dataclasses.replace(source, name=prepared.path)
     found = inspect_source(source, prepared.options, machines, part.reading.dialect or None, None, follow_as_planned)
     return dataclasses.replace(found, program=part.program), machines, setup
+
+
+def cut_lacks(found: Inspection, setup: SetUp) -> list[str]:
+    """What neither the program nor its sheet tells, and feeds by the cut need."""
+    lacks = [] if setup.workpiece.stock or found.workpiece.stock else ["a stock"]
+    tools = [name for name in found.tools or ("",) if setup.figures_of(name) is None and name not in found.shapes]
+    return lacks + [f"the shape of tool {printable(name)}".rstrip() for name in tools]
 
 
 def cures(refused: Sequence[Refusal], needs: Sequence[str], skips: bool) -> list[dict[str, Any]]:
@@ -227,9 +235,7 @@ def do_app_job(project: Project, job: AppJob, steps: TimedSteps) -> AppJob:
 
 def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps) -> tuple[Path, list[str]]:
     """The program with feeds by the cut, written into the folder of the job, and what was gained."""
-    from toolpace.common.units import format_time, parse_feed
-    from toolpace.cutting.feeds.rules import FeedRules
-    from toolpace.cutting.feeds.schedule import PROGRAM_STEPS
+    from toolpace.common.units import format_time
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import new_feeds
     from toolpace.results.cut.feeds_page import feeds_page
@@ -242,11 +248,8 @@ def write_cut_feeds(project: Project, part: Part, job: AppJob, steps: TimedSteps
         tip_tolerance=tip, axis_tolerance=axis,
         effort=asked.effort, feed=None, dialect=asked.dialect, resolution=None, memory=MEMORY,
     )  # fmt: skip
-    rules = FeedRules(
-        way=job.request.feeds,
-        air_feed=parse_feed(job.request.air_feed) if job.request.air_feed else None,
-        steps=PROGRAM_STEPS,
-    )
+    rules = cut_rules(job.request)
+    assert rules is not None
     found = new_feeds(prepared.path, request, rules, True, steps)
     folder = project.job_folder(job.id)
     for name in part.beside:  # subprograms are looked for beside the program

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Floats
+from toolpace.common.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
+    from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs import TimedSteps
     from toolpace.judge import Verification
@@ -22,6 +25,15 @@ if TYPE_CHECKING:
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.toolpath import ToolPath
     from toolpace.results.write.cut_limits import CutLimitsRecord
+
+
+LIMIT_UNITS = {
+    "chip": ("mm", 1e-3), "feed_per_tooth": ("mm", 1e-3), "removal_rate": ("mm3/s", 1e-9), "force": ("N", 1.0),
+    "torque": ("Nm", 1.0), "power": ("W", 1.0), "moment": ("Nm", 1.0), "stress": ("MPa", 1e6),
+    "deflection": ("um", 1e-6), "surface_deflection": ("um", 1e-6), "compensated_deflection": ("um", 1e-6),
+    "feed_marks": ("um", 1e-6),
+}  # fmt: skip
+"""Limits of the cut, and the unit in which each is given."""
 
 
 class Planning(Protocol):
@@ -79,9 +91,9 @@ class CutOptions:
         with steps.step("planning within the cut") as step:
             learns = self.rules.way == "learned"
             reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            rules = replace(self.rules.for_machine(job.machine), spindle=job.options.setup.spindle)
             found = plan_within_cut(
-                toolpath, job.machine, job.options.setup, self.rules.for_machine(job.machine), job.tip_tolerance,
-                job.axis_tolerance,
+                toolpath, job.machine, job.options.setup, rules, job.tip_tolerance, job.axis_tolerance,
                 effort=effort_for(job.effort, job.planner), planner=job.planner, margin=self.margin,
                 resolution=self.resolution, memory=self.memory, reached=reached, progress=step,
             )  # fmt: skip
@@ -101,15 +113,14 @@ class CutOptions:
         part: tuple[CutLimitsRecord, bytes],
     ) -> Verification:  # fmt: skip
         """The judge's word, with that on the cut of the set-points along the program."""
-        from toolpace.judge.cut import checks_of_cut
         from toolpace.motion.setpoints import in_memory
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
-            promise = None
-            if job.tool is None:
-                promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
-            checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
+            checks = write.judged_cut(
+                part[0], write.cut_arrays(part[1]), in_memory(points), toolpath, job.options.setup, job.machine,
+                bends=job.tool is not None,
+            )  # fmt: skip
         return replace(found, checks=(*found.checks, *checks))
 
 
@@ -120,3 +131,24 @@ def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures
     times = time_of_moves(moves_of_points(toolpath, machine), machine, figures).times - toolpath.dwell
     speeds: Floats = np.divide(toolpath.way_length, times, out=np.zeros(len(times)), where=times > 0.0)
     return np.minimum(speeds, np.where(np.isfinite(toolpath.feed), toolpath.feed, speeds))
+
+
+def cut_limits(words: Sequence[str]) -> dict[str, CutLimits]:
+    """Limits by tool, from words such as "force=400N" and "3:chip=0.1mm". Raises UsageError."""
+    from toolpace.cutting.feeds.limits import CutLimits
+
+    found: dict[str, dict[str, float]] = {}
+    for word in words:
+        tool, _, rest = word.rpartition(":")
+        name, _, value = rest.partition("=")
+        if name not in LIMIT_UNITS:
+            raise UsageError(f"--limit {word[:60]}: {name[:40]!r} is no limit; {did_you_mean(name, LIMIT_UNITS)}")
+        unit, scale = LIMIT_UNITS[name]
+        try:
+            figure = float(value.strip().removesuffix(unit)) * scale
+        except ValueError:
+            raise UsageError(f"--limit {word[:60]}: give {name} in {unit}, like {name}=20{unit}") from None
+        if name in found.setdefault(tool, {}):
+            raise UsageError(f"--limit {word[:60]}: {name} is given twice")
+        found[tool][name] = figure
+    return {tool: CutLimits(**limits) for tool, limits in found.items()}

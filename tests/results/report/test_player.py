@@ -105,7 +105,7 @@ def test_the_tool_is_where_the_motion_says_and_everything_leads_there(planned):
         assert np.linalg.norm(np.subtract(page.run(f"toolpace.onScreen({reached['tip']!r})")[:2], place[:2])) < 2.0
         # the time line
         box = page.page.locator("#timeline").bounding_box()
-        page.page.locator("#timeline canvas.cursor").click(position={"x": 52 + 0.5 * (box["width"] - 62), "y": 90})
+        page.page.locator("#timeline .cursors").click(position={"x": 52 + 0.5 * (box["width"] - 62), "y": 90})
         assert page.run("toolpace.state().t") == pytest.approx(0.5 * duration, rel=0.01)
         # the lists
         page.page.locator("[data-tab=blocks]").click()
@@ -118,6 +118,7 @@ def test_the_tool_is_where_the_motion_says_and_everything_leads_there(planned):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_it_plays_and_is_played_by_keys(planned):
     with opened(planned.page, width=700, scheme="dark") as page:
         page.run("toolpace.play()")
@@ -138,6 +139,21 @@ def test_it_plays_and_is_played_by_keys(planned):
         assert page.run("toolpace.state().playing") is True
         press("Space")
         assert page.run("toolpace.state().playing") is False
+        # the clock takes a time or a line, and says what is neither
+        at = page.page.locator("#at")
+        for words, line, t in (("0.25", None, 0.25), ("line 6", 6, None), ("0:00.5", None, 0.5)):
+            press("g")
+            at.fill(words)
+            press("Enter")
+            assert line in (None, page.run("toolpace.state().line"))
+            assert t in (None, page.run("toolpace.state().t"))
+        for words in ("line 2000", "1:02:03", "soon"):
+            press("g")
+            at.fill(words)
+            press("Enter")
+            assert at.get_attribute("class") == "bad" and page.run("toolpace.state().t") == 0.5
+            press("Escape")
+        assert at.input_value() == "0.500 s" and at.get_attribute("class") == ""
         # the view in space has keys of its own, and what is folded opens by space
         page.page.locator("#space canvas").focus()
         before, t = page.run("toolpace.onScreen([0, 0, 0])"), page.run("toolpace.state().t")

@@ -160,7 +160,7 @@ def test_words():
     assert (at_most(-1e-12), at_most(0.0), at_most(math.inf), at_most(0.9999)) == ("0 %", "0 %", "unbounded", "100 %")
     assert [percent(x) for x in (1.00004, 0.5, 0.0004)] == ["100.00 %", "50.0 %", "0.040 %"]
     assert limit_words("jerk A") == "Jerk of A"
-    assert len(set(colours(("X", "Y")).values())) == 7
+    assert len(set(colours(("X", "Y")).values())) == 9
 
 
 def test_deviations_are_those_of_the_run_that_is_passed():
@@ -192,6 +192,16 @@ def test_curves_are_the_same_in_blocks_of_any_length(monkeypatch, points):
         np.testing.assert_array_equal(one.values, other.values)
         assert one.top == other.top
     assert found[0].length == pytest.approx(found[1].length, rel=1e-12) and found[0].length > 0.0
+
+
+def test_prices_are_a_table_of_what_is_worth_a_row():
+    """Ten percent more of a limit that holds all of the motion: the time goes with its power."""
+    machine = tp.Machine.load("xyzac-trunnion")
+    prices = {"jerk C": 0.1, "feed": 0.05, "velocity X": 1e-7}
+    shown = page._prices(SimpleNamespace(prices_s=prices), 30.0, machine)
+    assert shown.index("Jerk of C") < shown.index("Programmed feed") and "Velocity of X" not in shown
+    assert f"{3e4 * (1.0 - 1.1 ** (-0.1 / 0.3)):.0f} ms" in shown and "of the program" in shown
+    assert page._prices(SimpleNamespace(prices_s={}), 30.0, machine) == ""
 
 
 def test_a_wider_tolerance_is_asked_for_by_a_command_that_runs_beside_the_page():

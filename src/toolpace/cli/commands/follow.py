@@ -36,6 +36,7 @@ def follow_command(
     name: ComponentName = "toolpace",
     streamer: StreamerNumber = 0,
     watch: Watch = False,
+    machine: options.MachineName = None,
 ) -> int:
     """Follow a plan live as a component of LinuxCNC's HAL: at any pace, corrected by the pins deflection-x, -y and -z.
 
@@ -45,13 +46,14 @@ def follow_command(
     backlog later. SIGTERM (unloadusr) or Ctrl-C ends the component, after a stop on
     the path within the limits.
     --watch shows it in a browser of this computer: joints, correction and use of
-    the limits. The follower never waits for the page. docs: from plan to machine.
+    the limits, and with --machine the machine as it moves. The follower never
+    waits for the page. docs: from plan to machine.
 
     For example:
 
         toolpace follow part.law --backlog 10ms
         toolpace follow part.law --record given.csv
-        toolpace follow part.law --watch
+        toolpace follow part.law --watch --machine my-mill.toml
     """
     from toolpace.cli import arguments
     from toolpace.controls.hal import hal_module
@@ -62,11 +64,14 @@ def follow_command(
     ahead = arguments.time_option("--backlog", backlog)
     if not 0 <= streamer < STREAMERS:
         raise UsageError(f"--streamer {streamer}: give 0 to {STREAMERS - 1}")
+    if machine is not None and not watch:
+        raise UsageError("--machine is what --watch shows; give both")
+    on = None if machine is None else arguments.machine_named(machine, None)
     follower = Follower.load(law)
     settings = Settings(name, streamer, ahead, None if record is None else Path(record))
     console, module = new_console(), hal_module()
     with ExitStack() as ended:
-        view = ended.enter_context(LiveView(follower, Path(law).name)) if watch else None
+        view = ended.enter_context(LiveView(follower, Path(law).name, on)) if watch else None
         component = Component(follower, module, settings, *([view.show] if view is not None else []))
         if view is not None:
             console.print(Text(f"watch it   {view.address}"), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""The command `picture`: a planned motion at a moment as PNG, or a short animation of it as GIF, without a browser."""
+"""The command `picture`: a planned motion at a moment as PNG, or an animation as GIF or MP4, without a browser."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ SMALLEST, LARGEST = 64, 4000
 LONGEST = 60.0
 """Of an animation [s]."""
 FRAMES_PER_SECOND = 10
+VIDEO_FRAMES_PER_SECOND = 25
+QUALITY = "20"
+"""Of a video, as x264 counts it: less is better and larger; from 18 on nobody sees what is lost."""
 MOVING_POINTS = 110
 """Of the lattice of the stock along its longest side, in an animation: its pictures are small."""
 COLOURS, SAMPLES = 128, 6
@@ -31,7 +34,7 @@ View = Annotated[
 ]
 At = Annotated[str, Parameter(help="The moment: 12.5s, 3min; start or end.")]
 Out = Annotated[str | None, Parameter(name=["--out", "-o"], help="File for the picture: x.png.")]
-To = Annotated[str | None, Parameter(help="File for an animation in place of a picture: x.gif.")]
+To = Annotated[str | None, Parameter(help="File for an animation in place of a picture: x.gif, x.mp4.")]
 Begin = Annotated[str, Parameter(help="Where the animation begins: 12.5s; start or end.")]
 Finish = Annotated[str, Parameter(help="Where it ends.")]
 Seconds = Annotated[str, Parameter(help="How long the animation plays.")]
@@ -64,15 +67,21 @@ def picture_command(
         toolpace picture part-plan -o part.png
         toolpace picture part-plan --view top --at 12.5s -o part.png
         toolpace picture part-plan --to part.gif --seconds 6s
+        toolpace picture part-plan --to part.mp4 --seconds 20s --size 1280x720
         toolpace picture part-plan --view machine --begin 10s --finish 20s --to part.gif
     """
     from toolpace.results.picture.draw import POINTS, ShownPlan, direction_axes
 
     if (out is None) == (to is None):
-        raise UsageError("picture: give one of --out x.png (a picture) and --to x.gif (an animation)")
-    target = file_of(out, ".png", "--out") if out is not None else file_of(to or "", ".gif", "--to")
+        raise UsageError("picture: give one of --out x.png (a picture) and --to x.gif or x.mp4 (an animation)")
+    target = file_of(out, (".png",), "--out") if out is not None else file_of(to or "", (".gif", ".mp4"), "--to")
     pixels = sides(size or (STILL if out is not None else MOVING))
-    library()
+    is_video = target.suffix.lower() == ".mp4"
+    if is_video:
+        video_library()
+        refuse_odd(pixels)
+    else:
+        library()
     direction_axes(view)
     console = new_console()
     steps = Steps(console)
@@ -86,17 +95,17 @@ def picture_command(
         span = moment(begin, shown.duration, "--begin"), moment(finish, shown.duration, "--finish")
         long = length(seconds)
         with steps.step("drawing") as step:
-            step.note = f"{write_animation(target, shown, span, long, view, pixels, step)} pictures"
+            write = write_video if is_video else write_animation
+            step.note = f"{write(target, shown, span, long, view, pixels, step)} pictures"
     console.print(f"written   {printable(str(target))}", soft_wrap=True)
     return 0
 
 
-def file_of(name: str, suffix: str, option: str) -> Path:
+def file_of(name: str, suffixes: tuple[str, ...], option: str) -> Path:
     """The file to write. Raises UsageError where its ending is another, or its folder is not there."""
     found = Path(name)
-    if found.suffix.lower() != suffix:
-        cure = "; ffmpeg makes an mp4 of it" if found.suffix.lower() == ".mp4" else ""
-        raise UsageError(f"{option} {name[:80]}: it ends with {suffix}, like part{suffix}{cure}")
+    if found.suffix.lower() not in suffixes:
+        raise UsageError(f"{option} {name[:80]}: it ends with {' or '.join(suffixes)}, like part{suffixes[0]}")
     if not found.absolute().parent.is_dir():
         raise UsageError(f"{option} {name[:80]}: its folder does not exist; make it first")
     return found
@@ -111,6 +120,12 @@ def sides(text: str) -> tuple[int, int]:
     if not all(SMALLEST <= each <= LARGEST for each in found):
         raise UsageError(f"--size {text[:40]}: give sides from {SMALLEST} to {LARGEST} pixels")
     return found
+
+
+def refuse_odd(pixels: tuple[int, int]) -> None:
+    """Raise UsageError for sides that a video cannot have: its colours are of two pixels each."""
+    if pixels[0] % 2 or pixels[1] % 2:
+        raise UsageError(f"--size {pixels[0]}x{pixels[1]}: sides of an mp4 are even; give {MOVING}, say")
 
 
 def moment(text: str, duration: float, option: str) -> float:
@@ -144,6 +159,15 @@ def library() -> Any:
     except ImportError:
         raise UsageError("pictures are written by Pillow: pip install 'toolpace[picture]'") from None
     return Image
+
+
+def video_library() -> Any:
+    """What writes videos. Raises UsageError, naming the extra, where it is missing."""
+    try:
+        import av
+    except ImportError:
+        raise UsageError("videos are written by PyAV: pip install 'toolpace[video]', or --to x.gif") from None
+    return av
 
 
 def write_picture(target: Path, shown: ShownPlan, t: float, view: str, pixels: tuple[int, int]) -> None:
@@ -188,4 +212,31 @@ def write_animation(
         drawn[0].save(
             temporary, format="GIF", save_all=True, append_images=drawn[1:], duration=times, loop=0, optimize=False
         )
+    return count
+
+
+def write_video(
+    target: Path,
+    shown: ShownPlan,
+    span: tuple[float, float],
+    seconds: float,
+    view: str,
+    pixels: tuple[int, int],
+    progress: Any,
+) -> int:
+    """Write a video (H.264) of a stretch of time [s], whole or not at all; return how many pictures it has."""
+    from toolpace.common.files import whole_file
+    from toolpace.results.picture.draw import picture
+
+    av = video_library()
+    count = max(math.ceil(seconds * VIDEO_FRAMES_PER_SECOND), 2)
+    with whole_file(target) as temporary, av.open(str(temporary), "w", format="mp4") as video:
+        stream = video.add_stream("libx264", rate=VIDEO_FRAMES_PER_SECOND, options={"crf": QUALITY})
+        # what every player shows
+        stream.width, stream.height, stream.pix_fmt = *pixels, "yuv420p"
+        for k in range(count):
+            t = span[0] + (span[1] - span[0]) * k / (count - 1)
+            video.mux(stream.encode(av.VideoFrame.from_ndarray(picture(shown, t, view, pixels), format="rgb24")))
+            progress((k + 1) / count)
+        video.mux(stream.encode())
     return count

@@ -6,17 +6,42 @@ class LiveTracks extends RunTracks {
   label(place) { return place > this.whole - 1e-6 ? "now" : `−${figure(this.whole - place)} s`; }
 }
 
+// The tip on its path, in the plane in which that is widest.
+function inPlane({ way: [x, y], duration }) {
+  const plane = new Plane(document.getElementById("plane"), [{ name: "path", x, y, colour: (look) => look.soft, width: 2 }]);
+  const pose = ({ path_time: t }) => {
+    const k = Math.min(Math.max(Math.round((t / duration) * (x.length - 1)), 0), x.length - 1);
+    plane.dots = [{ x: x[k], y: y[k], colour: STRONG[0] }];
+    plane.draw();
+  };
+  return { pose, repaint: () => plane.draw(), tip: () => null };
+}
+
+// The machine as its joints are; null where this browser shows no 3-D graphics.
+async function inSpace(data) {
+  const get = (id) => document.getElementById(id), player = new Player(data.motion, await Arrays.of(data.arrays)), { rotary } = player.motion;
+  get("space-panel").hidden = false;
+  let space;
+  try { space = new Space(player, get("space")); } catch { get("space-panel").hidden = true; return null; }
+  get("plane").remove();
+  wireCamera(space);
+  showKey(player, get("key"));
+  const pose = ({ path_time: t, q }) => { player.t = t; space.pose(t, q.map((v, j) => (rotary[j] ? (v * Math.PI) / 180 : v))); };
+  pose({ path_time: 0, q: player.motion.at(0).map((v, j) => (rotary[j] ? (v * 180) / Math.PI : v)) });
+  return { pose, repaint: () => space.recolour(), tip: () => player.motion.machine.tool(space.posed, player.motion.length(player.t)).tip };
+}
+
 async function start() {
   const get = (id) => document.getElementById(id), data = JSON.parse(get("data").textContent), { kept, event: step } = data;
   const fresh = () => new Float64Array(kept).fill(NaN), used = Object.fromEntries(data.kinds.map((kind) => [kind, [fresh(), fresh(), fresh()]]));
   const corrections = data.units.map(() => fresh()), pace = fresh();
   const own = { title: "Correction of each joint, µm or 0.001°", named: true, high: 1, low: -1,
-    series: corrections.map((values, j) => ({ name: `joint ${j}`, values, unit: data.units[j] === "mm" ? "µm" : "0.001°", colour: () => STRONG[j % STRONG.length] })) };
+    series: corrections.map((values, j) => ({ name: data.joints[j], values, unit: data.units[j] === "mm" ? "µm" : "0.001°", colour: () => STRONG[j % STRONG.length] })) };
   const panels = [own, ...limitPanels(used), { title: "Pace, share of the plan's speed", high: 1.3, series: [{ name: "pace", values: pace, unit: "", colour: (look) => look.ink }] }];
   const tracks = new LiveTracks(get("timeline"), kept * step, panels);
   tracks.layOut();
-  const plane = new Plane(get("plane"), [{ name: "path", x: data.way[0], y: data.way[1], colour: (look) => look.soft, width: 2 }]);
-  watchTheme(() => { tracks.readLook(); tracks.draw(); plane.draw(); });
+  const shown = (data.motion && await inSpace(data)) || inPlane(data);
+  watchTheme(() => { tracks.readLook(); tracks.draw(); shown.repaint(); });
 
   let last = null, waiting = false;
   const push = (values, value) => { values.copyWithin(0, 1); values[kept - 1] = value; };
@@ -42,9 +67,7 @@ async function start() {
     get("most-of").textContent = `of ${kind}, now`;
     get("status").textContent = words.join(", ") || "all is well";
     now.q.forEach((v, j) => { get(`q-${j}`).textContent = v.toFixed(4); get(`correction-${j}`).textContent = now.correction[j].toFixed(5); });
-    const at = Math.round((now.path_time / data.duration) * (data.way[0].length - 1)), k = Math.min(Math.max(at, 0), data.way[0].length - 1);
-    plane.dots = [{ x: data.way[0][k], y: data.way[1][k], colour: STRONG[0] }];
-    plane.draw();
+    shown.pose(now);
     const reach = Math.max(1, ...corrections.map((values) => largest(values.map(Math.abs))));
     Object.assign(own, { high: 1.1 * reach, low: -1.1 * reach });
     tracks.shown.splice(1, 1, Object.assign(tracks.row(own), { y: tracks.shown[1].y }));
@@ -55,7 +78,7 @@ async function start() {
   source.onmessage = (message) => { badge("live", "good"); take(JSON.parse(message.data)); };
   source.addEventListener("end", () => { source.close(); badge("ended", "quiet"); });
   source.onerror = () => { if (last) badge("no connection", "bad"); };
-  window.toolpace = { state: () => last };
+  window.toolpace = { state: () => last, tip: () => shown.tip() };
   window.toolpaceReady = true;
 }
 

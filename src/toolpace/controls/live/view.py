@@ -15,7 +15,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
-from toolpace.common.units import DEGREE, MILLIMETRE, format_time
+from toolpace.common.units import DEGREE, MILLIMETRE, MINUTE, format_time
 from toolpace.controls.live.rows import HEAD, KINDS, RowForm
 from toolpace.controls.live.server import EVENT, KEPT, LOOPBACK
 from toolpace.deflection.following import Follower, SetPoint, Status
@@ -24,14 +24,26 @@ from toolpace.kernels.follow import layout
 from toolpace.kernels.follow.correction_target import chain_of
 from toolpace.kernels.follow.pace import place_on_path
 from toolpace.kernels.kinematics.chain import forward
+from toolpace.machine.machine import Machine
 from toolpace.results.report import shell
+from toolpace.results.report.charts import NOTHING, SPEED
+from toolpace.results.report.machine_view import machine_view
+from toolpace.results.report.packed_arrays import PackedArrays
+from toolpace.results.report.player_data import page_json
+from toolpace.results.report.words import joint_colour
 
 PLACES = 2000
 """Of the path in the plane."""
+KEYFRAMES, APART = 20_000, 0.01
+"""Of the path in space: at most so many, and so far apart where fewer are enough [s]."""
+SAME_PLACE = 1e-6
+"""How far the tip of a machine may be from that of a law to be the one that the law is for [m]."""
 PATIENCE = 20.0
 """Longest that the server is waited for, when it begins and when it ends [s]."""
 SCRIPTS = ("playback", "tracks", "run", "program", "transport")
-NOTHING = np.full(3, np.nan).tobytes()
+IN_SPACE = ("playback", "arrays", "motion", "way", "stock", "workpiece", "scene", "player")
+"""Scripts of the page, and those that come first where the machine moves in it."""
+UNMEASURED = np.full(3, np.nan).tobytes()
 STATUS_WORDS = {
     Status.ENDED: "ended", Status.HELD: "held", Status.STALE: "nothing measured of late",
     Status.FADING: "correction is taken back", Status.AT_LIMIT: "correction at its limit", Status.STOPPING: "stopping",
@@ -53,15 +65,18 @@ class LiveView:
     _process: subprocess.Popen[bytes]
     _pipe: int | None
 
-    def __init__(self, follower: Follower, title: str) -> None:
-        """Start the server. Raises UsageError where it does not start, and on Windows."""
+    def __init__(self, follower: Follower, title: str, machine: Machine | None = None) -> None:
+        """Start the server. `machine` is shown as it moves; without it the tip is shown on its path, in a plane.
+
+        Raises UsageError where the server does not start, where the follower is for another machine, and on Windows.
+        """
         if sys.platform == "win32":
             raise UsageError("--watch: Windows has no pipe that takes rows at once or not at all; use Linux or macOS")
         self.dropped = 0
         used = int(follower.piece[layout.USED])
         place = follower.piece[layout.PLACE : layout.COMPLIANCE].view(np.int64)
         scale = np.where(np.isin(np.arange(used), place[:2]), 1.0 / DEGREE, 1.0 / MILLIMETRE)
-        token, page = secrets.token_urlsafe(24), live_page(follower, title, scale).encode()
+        token, page = secrets.token_urlsafe(24), live_page(follower, title, scale, machine).encode()
         head = {
             "token": token, "page": len(page), "joints": used, "scale": scale.tolist(),
             "limits": machine_limits(follower.piece)[:, :used].tolist(),
@@ -95,7 +110,7 @@ class LiveView:
             return
         parts = [HEAD.pack(point.t, point.path_time, point.pace, int(point.status))]
         parts += [each.tobytes() for each in (point.q, point.qd, point.qdd, point.qddd, point.correction)]
-        parts.append(NOTHING if deflection is None else deflection.tobytes())
+        parts.append(UNMEASURED if deflection is None else deflection.tobytes())
         try:
             os.write(self._pipe, b"".join(parts))
         except BlockingIOError:
@@ -133,38 +148,86 @@ def machine_limits(piece: Floats) -> Floats:
     return found
 
 
-def live_page(follower: Follower, title: str, scale: Floats) -> str:
-    """The whole HTML text; `scale` (m,) makes mm and deg of the joints."""
+def live_page(follower: Follower, title: str, scale: Floats, machine: Machine | None = None) -> str:
+    """The whole HTML text; `scale` (m,) makes mm and deg of the joints. Raises UsageError for another machine."""
     units = ["°" if each == 1.0 / DEGREE else "mm" for each in scale]
+    names = [f"joint {j}" for j in range(len(units))] if machine is None else list(machine.joints)
     data = {
         "duration": follower.duration,
         "event": EVENT,
         "kept": KEPT,
         "kinds": KINDS,
         "units": units,
+        "joints": names,
         "way": path_in_plane(follower),
         "status": {int(status): words for status, words in STATUS_WORDS.items()},
     }
     joints = "".join(
-        f'<tr><th>joint {j}</th><td class="n" id="q-{j}"></td><td class="n" id="correction-{j}"></td>'
+        f'<tr><th>{escape(names[j])}</th><td class="n" id="q-{j}"></td><td class="n" id="correction-{j}"></td>'
         f"<td>{unit}</td></tr>"
         for j, unit in enumerate(units)
     )
     fields = {"duration": escape(format_time(follower.duration)), "joints": joints}
-    text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
-    return shell.whole_page(__package__, "page", title, fields, text, SCRIPTS, live=True)
+    arrays = PackedArrays()
+    if machine is not None:
+        data["motion"] = motion_in_space(follower, machine, arrays)
+    scripts = SCRIPTS if machine is None else (*IN_SPACE, *SCRIPTS[1:])
+    return shell.whole_page(__package__, "page", title, fields, page_json(data, arrays), scripts, live=True)
 
 
 def path_in_plane(follower: Follower) -> list[list[float]]:
     """(2, n) places of the path at even times of it, in the plane in which it is widest [mm]."""
-    piece = follower.piece
-    times = np.linspace(0.0, follower.duration, PLACES)
-    q, tips, axes, at = np.empty((PLACES, layout.JOINTS)), np.empty((PLACES, 3)), np.empty((PLACES, 3)), np.empty(4)
-    for k, t in enumerate(times):
-        for j in range(layout.JOINTS):
-            place_on_path(piece, t, j, at)
-            q[k, j] = at[0]
-    forward(chain_of(piece), q, tips, axes)
+    q, _ = joints_on_path(follower, np.linspace(0.0, follower.duration, PLACES))
+    tips, axes = np.empty((PLACES, 3)), np.empty((PLACES, 3))
+    forward(chain_of(follower.piece), q, tips, axes)
     middle = tips - tips.mean(axis=0)
     across = np.linalg.svd(middle, full_matrices=False)[2][:2]
     return [[float(f"{value:.6g}") for value in middle @ direction / MILLIMETRE] for direction in across]
+
+
+def joints_on_path(follower: Follower, times: Floats) -> tuple[Floats, Floats]:
+    """(n, 5) positions and velocities of the joints at times of the path [m, rad, s]."""
+    found, at = np.empty((2, len(times), layout.JOINTS)), np.empty(4)
+    for k, t in enumerate(times):
+        for j in range(layout.JOINTS):
+            place_on_path(follower.piece, t, j, at)
+            found[:, k, j] = at[:2]
+    return found[0], found[1]
+
+
+def motion_in_space(follower: Follower, machine: Machine, arrays: PackedArrays) -> dict[str, object]:
+    """What player/player.js takes of the planned motion, without a program. Raises UsageError for another machine."""
+    count = int(np.clip(follower.duration / APART, 2, KEYFRAMES))
+    times = np.linspace(0.0, follower.duration, count)
+    q, qd = joints_on_path(follower, times)
+    tips, axes = np.empty((count, 3)), np.empty((count, 3))
+    forward(chain_of(follower.piece), q, tips, axes)
+    used = len(machine.joints)
+    far = np.abs(machine.forward(q[:, :used], np.full(count, machine.tool_length))[0] - tips).max()
+    if not far <= SAME_PLACE:
+        raise UsageError(f"--machine {machine.name}: the law is for another machine; give the one that it was made for")
+    speed = np.linalg.norm(np.gradient(tips, times, axis=0), axis=1) * MINUTE / MILLIMETRE
+    table = follower.piece[-int(follower.piece[layout.TOOLS]) * layout.TOOL_COLUMNS :].reshape(-1, layout.TOOL_COLUMNS)
+    # a path without a program: all of it is one stretch at feed, of no line and no operation
+    none = arrays.add([0])
+    return {
+        "duration": follower.duration,
+        "joints": [{"name": name, "colour": joint_colour(j)} for j, name in enumerate(machine.joints)],
+        "channels": [
+            {"name": SPEED, "panel": "feed", "joint": -1, "peak": 1.0, "unit": "mm/min", "data": arrays.add(speed, 0.1)}
+        ],
+        "limits": [], "colours": [], "strip": arrays.add([NOTHING]),
+        "passages": {"t": none, "line": none, "operation": none, "kind": none},
+        "operations": [], "program": None,
+        "keyframes": {
+            "t": arrays.add(times, 1e-5),
+            "q": [arrays.add(each, 1e-7) for each in q.T[:used]],
+            "v": [arrays.add(each, 1e-6) for each in qd.T[:used]],
+        },
+        "rotary": machine.is_rotary.tolist(),
+        "tools": {
+            "t": table[:, layout.FROM].tolist(),
+            "length": ((machine.tool_length + table[:, layout.LONGER]) / MILLIMETRE).tolist(),
+        },
+        "machine": machine_view(machine),
+    }  # fmt: skip

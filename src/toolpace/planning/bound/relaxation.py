@@ -96,7 +96,7 @@ class JoinedPieces:
         n = len(law.nodes)
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
         self.highest = highest_speed(run, limits, law, law.nodes[:: max(n // SAMPLES, 1)])
-        self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
+        self.gathered, self.cap, self.wait = np.zeros((n, dual.GATHERED)), np.empty(n), np.zeros(n)
         self.terms = 4 * limits.half
         self.lock = threading.Lock()
 
@@ -117,7 +117,7 @@ class JoinedPieces:
         before, after = [self.run.s0] if start.at_rest else [], [self.run.s1] if end.at_rest else []
         nodes = law.nodes[low : high + 1]
         around = np.concatenate([before, nodes, after])
-        knots = Knots(discretise(self.run, self.limits, around, start, end, self.highest))
+        knots = Knots(discretise(self.run, self.limits, around, start, end, self.highest, level=True))
         none = np.zeros(len(nodes))
         found = relaxed(knots, coefficients_of(nodes, law.cells[low:high]), none, knots.cap)
         mine = dual.gather(knots.as_knots(), none, found.dual, self.terms)
@@ -148,10 +148,34 @@ def relaxed(
 ) -> Relaxation:
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
-    value, dual, wait, steps = relaxation.relax(
+    if knots.lines is not None:
+        return relaxed_over_lines(knots, c, (start, relief), low, high, tolerance)
+    value, multipliers, wait, steps = relaxation.relax(
         knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
     )
-    return Relaxation(value, dual, wait, start, steps)
+    return Relaxation(value, multipliers, wait, start, steps)
+
+
+def relaxed_over_lines(
+    knots: Knots, c: Floats, begin: tuple[Floats, Floats], low: Floats, high: Floats, tolerance: float
+) -> Relaxation:
+    """The same with limits that depend on the speed; `begin` are coefficients and reliefs as `start_within` finds them.
+
+    Where a piece of such a limit has several lines, by the one line above all of them, by those at the plan, and, since
+    the dual function is concave, by the mean of both, whichever gives most.
+    """
+    several = knots.lines is not None and knots.lines.height.shape[2] > 1
+    found: list[Relaxation] = []
+    for local in (False, True)[: 1 + several]:
+        linear, factor = knots.linear(c, local)
+        start = begin[0].copy()
+        _, dual, wait, steps = relaxation.relax(linear, low, high, start, begin[1], tolerance, np.inf, MOST_STEPS)
+        dual = knots.multipliers(dual, factor)
+        found.append(Relaxation(knots.value(dual, low, high), dual, wait, start, steps))
+    if several:
+        dual = (found[0].dual + found[1].dual) / 2.0
+        found.append(found[1]._replace(value=knots.value(dual, low, high), dual=dual))
+    return max(found, key=lambda one: one.value)
 
 
 def lower_bound(problem: Problem, law: SplineLaw) -> Bound:
@@ -202,7 +226,7 @@ def problem_of(
     """The problem on the mesh of a law, its limits as they are given."""
     outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
     nodes = np.concatenate([outer[0], law.nodes, outer[1]])
-    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes, cache), cache)
+    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes, cache), cache, True)
 
 
 def highest_speed(

@@ -20,6 +20,7 @@ class Comparison extends Playback {
   }
 
   step(by) { this.first.step(by); }
+  lineTime(line) { return this.first.lineTime(line); }
 
   // When a plan is where the first is at a time t; NaN where that is not known.
   timeOf(plan, t) {

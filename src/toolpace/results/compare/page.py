@@ -15,7 +15,15 @@ from toolpace.results.report.keyframes import MOST
 from toolpace.results.report.packed_arrays import PackedArrays
 from toolpace.results.report.page import units_of
 from toolpace.results.report.player_data import motion_data, page_json
-from toolpace.results.report.words import LEAST_SHARE, OPERATIONS, at_most, four_digits, joint_colour, limit_words
+from toolpace.results.report.words import (
+    LEAST_SHARE,
+    OPERATIONS,
+    at_most,
+    four_digits,
+    joint_colour,
+    limit_words,
+    savings,
+)
 from toolpace.results.write import PlanRecord
 
 PLAYER = (
@@ -43,6 +51,7 @@ def comparison_page(plans: Compared) -> str:
         "still": f"Not played, since there are no set-points of a tool: {escape(', '.join(still))}." if still else "",
         "operations": _operations(plans, motions),
         "limits": _times("Limit", plans, limits, gained=False),
+        "prices": _prices(plans),
     }
     return shell.whole_page(__package__, "page", title, fields, _data(plans, motions), PLAYER)
 
@@ -138,6 +147,20 @@ def _operations(plans: Compared, motions: Sequence[PlannedMotion | None]) -> str
     shown = sorted(sorted(range(len(longest)), key=lambda k: -longest[k])[:OPERATIONS])
     columns = [[of_plan.get(plans.keys[k]) for of_plan in feeds] for k in shown]
     return _times("Operation", plans, [plans.operations[k] for k in shown], columns)
+
+
+def _prices(plans: Compared) -> str:
+    """What one percent more of each limit would save of each plan, the dearest first; empty where no plan tells."""
+    found = [savings(record.prices_s, record.duration_s) for record in plans.records]
+    by_name = {name: tuple(each[name][0] if name in each else None for each in found) for of in found for name in of}
+    if not by_name:
+        return ""
+    dearest = sorted(by_name.items(), key=lambda row: -max(time or 0.0 for time in row[1]))
+    table = _times("Limit", plans, [(limit_words(name), times) for name, times in dearest], gained=False)
+    return (
+        '<section class="panel"><h2>What 1 % more of a limit would save</h2><p class="lead">on the path of each plan, '
+        f'all other limits as they are</p><div class="scroll">{table}</div></section>'
+    )
 
 
 def _times(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from toolpace.common.units import format_time
@@ -83,6 +83,8 @@ class PlanFigures(Protocol):
     def rounds(self) -> Sequence[IterationFigures]: ...
     @property
     def bending(self) -> BendingFigures | None: ...
+    @property
+    def prices_s(self) -> Mapping[str, float]: ...
 
 
 def key_figures(

@@ -61,6 +61,11 @@ class Player extends Playback {
   // At the moment at which one ends the next is passed.
   passageAt(t) { return lastAt(this.passages.t, t + 1e-9); }
   lineAt(t) { return this.passages.line[this.passageAt(t)]; }
+  // The next time at which a line is passed, or the first; NaN where it never is.
+  lineTime(line) {
+    const begins = this.lineBegins.get(line) || [];
+    return begins.find((b) => b > this.t + 1e-9) ?? begins[0] ?? NaN;
+  }
   placeAt(t) { const line = this.lineAt(t); return `${t.toFixed(3)} s${line ? `, line ${line}` : ""}`; }
   operationAt(t) { return this.passages.operation[this.passageAt(t)]; }
   kindAt(t) { return this.passages.kind[this.passageAt(t)]; }

@@ -8,6 +8,7 @@ class Listing {
   constructor(element, count, fill, choose) {
     Object.assign(this, { element, count, fill, choose });
     this.lit = this.pale = -1;
+    this.rows = new Map();
     this.inner = document.createElement("div");
     this.inner.className = "inner";
     this.tall = Math.min(count * ROW, TALLEST);
@@ -31,24 +32,32 @@ class Listing {
   draw() {
     const { above } = this, first = Math.max(Math.floor((this.element.scrollTop + above) / ROW) - 4, 0);
     const last = Math.min(first + Math.ceil(this.element.clientHeight / ROW) + 8, this.count);
-    const rows = [];
+    this.rows = new Map();
     for (let k = first; k < last; k++) {
       const row = document.createElement("div");
-      row.className = k === this.lit ? "row lit" : k === this.pale ? "row pale" : "row";
+      row.className = "row";
       row.dataset.k = k;
       row.style.top = `${k * ROW - above}px`;
       this.fill(row, k);
-      rows.push(row);
+      this.rows.set(k, row);
     }
-    this.inner.replaceChildren(...rows);
+    this.inner.replaceChildren(...this.rows.values());
+    this.mark(true);
+  }
+
+  // Puts the marks on their rows, or takes them away.
+  mark(on) {
+    for (const [kind, k] of [["lit", this.lit], ["pale", this.pale]]) this.rows.get(k)?.classList.toggle(kind, on && (kind === "lit" || k !== this.lit));
   }
 
   // The row that is passed, which is kept in sight, and another one.
   light(k, pale = -1) {
     if (k === this.lit && pale === this.pale) return;
+    this.mark(false);
     [this.lit, this.pale] = [k, pale];
+    // scrolling draws the rows that come into sight
     this.reveal();
-    this.draw();
+    this.mark(true);
   }
 
   // Scrolls to the lit row where that is out of sight.
@@ -87,10 +96,9 @@ class Program {
     }, (k) => this.go(k + 1));
   }
 
-  // To the next time at which a line is passed, or the first.
   go(line) {
-    const { t } = this.player, begins = this.player.lineBegins.get(line);
-    if (begins) this.player.seek(begins.find((b) => b > t + 1e-9) ?? begins[0]);
+    const t = this.player.lineTime(line);
+    if (!Number.isNaN(t)) this.player.seek(t);
   }
 
   light(line, pale = 0) { this.list.light(line - 1, pale - 1); }

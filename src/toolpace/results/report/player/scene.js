@@ -11,7 +11,7 @@ class Space {
     this.element = element;
     // a computer without graphics draws thin lines with steps, and keeps up
     this.plain = drawsBySoftware();
-    this.renderer = new THREE.WebGLRenderer({ antialias: !this.plain, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.plain });
     this.renderer.setPixelRatio(this.plain ? 1 : Math.min(window.devicePixelRatio || 1, 2));
     element.prepend(this.renderer.domElement);
     this.scene = new THREE.Scene();
@@ -30,6 +30,8 @@ class Space {
     this.recolour();
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
+    // what was shown is gone by the time that paper is printed
+    window.addEventListener("beforeprint", () => this.render());
   }
 
   fixed(parent) {
@@ -183,14 +185,15 @@ class Space {
     return out;
   }
 
-  // Everything where it is at a time.
-  pose(t) {
-    const { motion } = this.player, { machine } = motion, q = motion.at(t), length = motion.length(t);
+  // Everything where it is at a time, with joints that are elsewhere where they are given.
+  pose(t, q = this.player.motion.at(t)) {
+    const { motion } = this.player, { machine } = motion, length = motion.length(t);
     const move = (groups, chain) => machine.bodies(chain, q).forEach((m, k) => set(groups[k], m));
     move(this.bodies.workpiece, machine.workpiece);
     move(this.bodies.tool_chain, machine.tool_chain);
     const w = product(machine.bodies(machine.workpiece, q).at(-1) || AT_REST, machine.frame);
     set(this.part, w);
+    this.posed = q;
     this.shapeTool(machine, length);
     const shaped = !!this.workpiece && this.workpiece.pose(t, machine, length);
     this.toolShape.visible = this.holder.visible = !shaped;
@@ -223,7 +226,7 @@ class Space {
 
   look(mode) {
     this.mode = mode;
-    this.pose(this.player.t);
+    this.pose(this.player.t, this.posed);
     this.frame();
   }
 
@@ -255,8 +258,10 @@ class Space {
   draw() {
     if (this.waiting) return;
     this.waiting = true;
-    requestAnimationFrame(() => { this.waiting = false; this.renderer.render(this.scene, this.camera); });
+    requestAnimationFrame(() => { this.waiting = false; this.render(); });
   }
+
+  render() { this.renderer.render(this.scene, this.camera); }
 
   resize() {
     const { clientWidth: w, clientHeight: h } = this.element;
@@ -353,9 +358,11 @@ class Space {
 
 function drawsBySoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl && gl.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
-  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!gl) return false;
+  // browsers that do not tell it there have an extension for it, of which the others warn
+  let name = gl.getParameter(gl.RENDERER);
+  const info = /^webkit/i.test(name) && gl.getExtension("WEBGL_debug_renderer_info");
+  if (info) name = gl.getParameter(info.UNMASKED_RENDERER_WEBGL);
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 

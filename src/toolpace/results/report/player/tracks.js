@@ -8,7 +8,8 @@ class Tracks {
   constructor(element, whole) {
     this.element = element;
     this.canvas = element.querySelector("canvas.curves");
-    this.overlay = element.querySelector("canvas.cursor");
+    this.overlay = element.querySelector(".cursors");
+    this.marks = [];
     this.hint = element.querySelector(".hover");
     this.whole = whole;
     this.from = 0;
@@ -30,13 +31,12 @@ class Tracks {
   resize() {
     this.width = this.element.clientWidth;
     const scale = Math.min(window.devicePixelRatio || 1, 2);
-    for (const canvas of [this.canvas, this.overlay]) {
-      canvas.width = Math.round(this.width * scale);
-      canvas.height = Math.round(this.height * scale);
-      canvas.style.width = `${this.width}px`;
-      canvas.style.height = `${this.height}px`;
-      canvas.getContext("2d").setTransform(scale, 0, 0, scale, 0, 0);
-    }
+    const { canvas } = this;
+    canvas.width = Math.round(this.width * scale);
+    canvas.height = Math.round(this.height * scale);
+    canvas.style.width = `${this.width}px`;
+    canvas.style.height = `${this.height}px`;
+    canvas.getContext("2d").setTransform(scale, 0, 0, scale, 0, 0);
     this.draw();
   }
 
@@ -244,15 +244,22 @@ class Tracks {
   step(least) { return niceStep(least); }
   label(place, step) { return clock(place, step); }
 
+  // Bars that are only moved: nothing is drawn anew while a motion is played.
   cursor() {
-    const ink = this.overlay.getContext("2d"), overview = this.shown[0];
-    ink.clearRect(0, 0, this.width, this.height);
+    const overview = this.shown[0], below = overview.y + overview.height + 4, places = [];
     for (const { place, colour } of this.cursors()) {
-      const x = this.x(place), small = LEFT + (place / this.whole) * this.span;
-      ink.fillStyle = colour;
-      ink.fillRect(small - 0.75, overview.y, 1.5, overview.height);
-      if (x >= LEFT && x <= LEFT + this.span) ink.fillRect(x - 0.75, overview.y + overview.height + 4, 1.5, this.height - overview.height - 34);
+      const x = this.x(place), within = x >= LEFT && x <= LEFT + this.span;
+      places.push({ x: LEFT + (place / this.whole) * this.span, y: overview.y, tall: overview.height, colour, within: true });
+      places.push({ x, y: below, tall: this.height - 30 - below, colour, within });
     }
+    places.forEach(({ x, y, tall, colour, within }, k) => {
+      const bar = this.marks[k] ||= this.overlay.appendChild(document.createElement("i"));
+      if (bar.hidden === within) bar.hidden = !within;
+      const look = `${y} ${tall} ${colour}`;
+      if (bar.look !== look) { Object.assign(bar.style, { top: `${y}px`, height: `${tall}px`, background: colour }); bar.look = look; }
+      bar.style.transform = `translateX(${x - 0.75}px)`;
+    });
+    for (const bar of this.marks.splice(places.length)) bar.remove();
     const [{ place }] = this.cursors();
     this.element.setAttribute("aria-valuenow", place.toFixed(3));
     this.element.setAttribute("aria-valuetext", this.words(place));

@@ -1,17 +1,23 @@
+const press = (group, button) => { for (const other of group) other.setAttribute("aria-pressed", String(other === button)); };
+
+// Buttons of the view in space.
+function wireCamera(space) {
+  const cameras = [...document.querySelectorAll("[data-camera]")];
+  for (const button of cameras) button.addEventListener("click", () => { press(cameras, button); if (space) space.look(button.dataset.camera); });
+  for (const button of document.querySelectorAll("[data-do=frame]")) button.addEventListener("click", () => { if (space) space.frame(); });
+}
+
 // Buttons and keys: of a playback, of the time line that shows it, and of the view in space where there is one.
 function wireTransport(playback, timeline, space) {
   const get = (id) => document.getElementById(id), all = (name) => [...document.querySelectorAll(`[data-${name}]`)];
-  const press = (group, button) => { for (const other of group) other.setAttribute("aria-pressed", String(other === button)); };
   const actions = {
     play: () => (playback.playing ? playback.pause() : playback.play()),
     back: () => playback.step(-1), next: () => playback.step(1), begin: () => playback.seek(0), end: () => playback.seek(playback.duration),
     all: () => timeline.view(0, timeline.whole), closer: () => timeline.zoom(0.5), farther: () => timeline.zoom(2),
     frame: () => space && space.frame(),
   };
-  for (const button of all("do")) if (actions[button.dataset.do]) button.addEventListener("click", actions[button.dataset.do]);
-  for (const button of all("camera")) {
-    button.addEventListener("click", () => { press(all("camera"), button); if (space) space.look(button.dataset.camera); });
-  }
+  for (const button of all("do")) if (actions[button.dataset.do] && button.dataset.do !== "frame") button.addEventListener("click", actions[button.dataset.do]);
+  wireCamera(space);
   for (const button of all("layer")) {
     button.hidden = button.hasAttribute("hidden") && !space?.workpiece?.layers[button.dataset.layer];
     button.addEventListener("click", () => {
@@ -36,7 +42,8 @@ function wireTransport(playback, timeline, space) {
     const k = rates.indexOf(playback.rate) + by;
     if (k >= 0 && k < rates.length) { playback.rate = rates[k]; get("rate").value = String(rates[k]); }
   };
-  const keys = { " ": actions.play, Home: actions.begin, End: actions.end, "+": () => faster(1), "-": () => faster(-1), f: actions.frame,
+  wireClock(playback);
+  const keys = { " ": actions.play, g: () => get("at").focus(), Home: actions.begin, End: actions.end, "+": () => faster(1), "-": () => faster(-1), f: actions.frame,
     ArrowLeft: actions.back, ArrowRight: actions.next, "[": actions.farther, "]": actions.closer, 0: actions.all };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName)) return;
@@ -48,10 +55,33 @@ function wireTransport(playback, timeline, space) {
   });
 }
 
+// The time that words name, which are a time (12.5, 12.5 s, 1:30, 1:02:30) or a line of the program (line 120); NaN for others.
+function namedTime(words, playback) {
+  const line = /^(?:line|l)\s*(\d+)$/i.exec(words), time = /^(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?)\s*s?$/i.exec(words);
+  if (line && playback.lineTime) return playback.lineTime(Number(line[1]));
+  return time ? 3600 * Number(time[1] || 0) + 60 * Number(time[2] || 0) + Number(time[3].replace(",", ".")) : NaN;
+}
+
+// The clock takes a time or a line to go to.
+function wireClock(playback) {
+  const at = document.getElementById("at");
+  const leave = () => { at.classList.remove("bad"); at.blur(); playback.seek(playback.t); };
+  at.addEventListener("focus", () => { playback.pause(); at.select(); });
+  at.addEventListener("blur", () => { at.classList.remove("bad"); playback.seek(playback.t); });
+  at.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") leave();
+    if (event.key !== "Enter") return;
+    const t = namedTime(at.value.trim(), playback);
+    at.classList.toggle("bad", !(t <= playback.duration));
+    if (t <= playback.duration) { playback.seek(t); leave(); }
+  });
+}
+
 // The clock, and whether it runs.
 function showClock(playback, words) {
   const get = (id) => document.getElementById(id);
-  get("clock").textContent = `${clock(playback.t)} / ${clock(playback.duration, 0.01)}`;
+  if (document.activeElement !== get("at")) get("at").value = clock(playback.t);
+  get("whole").textContent = ` / ${clock(playback.duration, 0.01)}`;
   get("readout").textContent = words.filter(Boolean).join(" · ");
   get("play").setAttribute("aria-label", playback.playing ? "Pause" : "Play");
   document.body.classList.toggle("playing", !!playback.playing);
