@@ -21,7 +21,8 @@ from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
 from toolpace.cutting.simulation import simulate_cut
 from toolpace.cutting.tool_file import tool_of_bytes
-from toolpace.judge.cut import CutJudge, CutPromise, round_stock
+from toolpace.judge.cut.instants import CutJudge, CutPromise
+from toolpace.judge.cut.stocks import box_stock
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 
@@ -116,7 +117,7 @@ def motions() -> list[OnTheWall]:
         ("both", compensated(left_over)),
     )  # fmt: skip
     promise = CutPromise(
-        "limits", round_stock((np.array([0.0, -20e-3, -20e-3]), np.array([40e-3, 0.3e-3, 0.0])), None, 0.0),
+        "limits", box_stock(np.array([0.0, -20e-3, -20e-3]), np.array([40e-3, 0.3e-3, 0.0]), 0.0),
         [setup.figures_of("1")], {}, {"": COEFFICIENTS}, {}, CELL,
     )  # fmt: skip
     return [on_the_wall(name, trajectory, toolpath, promise) for name, trajectory in named]

@@ -68,10 +68,13 @@ def minimise(problem: Problem, first: np.ndarray) -> tuple[np.ndarray, str]:
     y = ca.SX.sym("y", expand.shape[1])
     u = [dm(m @ expand) @ y + m @ offset for m in maps]
     floor = maps[0] @ first
-    half = problem.rows.shape[1] // 2
-    value = [sum(ca.DM(np.ascontiguousarray(problem.rows[:, i, d])) * u[d] for d in range(3)) for i in range(2 * half)]
+    rows, half = problem.rows.copy(), problem.rows.shape[1] // 2
+    if problem.lines is not None:
+        rows[:, problem.lines.column] = 0.0
+    value = [sum(column(rows[:, i, d]) * u[d] for d in range(3)) for i in range(2 * half)]
     root = ca.sqrt(u[0])
-    g = [u[0] / floor] + value[:half] + [row * root for row in value[half:]]
+    over_speed = over_lines(problem, expand, y, offset, u) if problem.lines is not None else []
+    g = [u[0] / floor] + value[:half] + [row * root for row in value[half:]] + over_speed
     time = ca.dot(ca.DM(problem.weight), 1.0 / root)
     scale = float((problem.weight / np.sqrt(floor)).sum())
     ones = np.ones(2 * half * count)
@@ -90,10 +93,34 @@ def minimise(problem: Problem, first: np.ndarray) -> tuple[np.ndarray, str]:
     )  # fmt: skip
     result = solver(
         x0=np.ones(expand.shape[1]),
-        lbg=np.concatenate([np.full(count, 1e-6), -ones]),
-        ubg=np.concatenate([problem.cap / floor, ones]),
+        lbg=np.concatenate([np.full(count, 1e-6), -ones, np.full(count * len(over_speed), -np.inf)]),
+        ubg=np.concatenate([problem.cap / floor, ones, np.zeros(count * len(over_speed))]),
     )
     return expand @ np.asarray(result["x"]).ravel() + offset, solver.stats()["return_status"]
+
+
+def over_lines(
+    problem: Problem, expand: sparse.csc_matrix, y: ca.SX, offset: np.ndarray, u: list[ca.SX]
+) -> list[ca.SX]:
+    """Rows whose limits depend on the speed, less these limits, as they are: not linear in z."""
+    lines, count, n = problem.lines, len(problem.node), len(offset)
+    place = (np.repeat(np.arange(count), 4), (problem.first[:, None] + np.arange(4)).ravel())
+    ahead = sparse.csc_matrix((lines.ahead_of(problem.basis).ravel(), place), shape=(count, n))
+    speed, speed_ahead = ca.sqrt(u[0]), ca.sqrt(dm(ahead @ expand) @ y + ahead @ offset)
+    excess = []
+    for k, is_jerk in enumerate(lines.is_jerk):
+        limit = -ca.inf
+        for height, fall in zip(lines.height[:, k].T, lines.fall[:, k].T):
+            line = column(height) - column(fall) * (speed if is_jerk else speed_ahead)
+            limit = ca.fmax(limit, line) if len(lines.height[0, k]) > 1 else line
+        value = sum(column(lines.rows[:, k, d]) * u[d] for d in range(3))
+        excess.append((value * speed if is_jerk else value) - limit)
+    return excess
+
+
+def column(values: np.ndarray) -> ca.DM:
+    """A column of CasADi's."""
+    return ca.DM(np.ascontiguousarray(values))
 
 
 def ends(problem: Problem, first: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:

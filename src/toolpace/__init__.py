@@ -49,8 +49,11 @@ if TYPE_CHECKING:
     from toolpace.jobs.batch import Batch, BatchJob, BatchRow, batch
     from toolpace.judge import Check, Sampled, Verification, verify
     from toolpace.machine.cutting_tool import Coefficients, Cut, Cutter, CuttingTool, EngagedDeflection, Engagement
-    from toolpace.machine.file import ChainFile, JointFile, MachineFile
+    from toolpace.machine.dynamics import Dynamics, Link, TorqueTerms
+    from toolpace.machine.dynamics.torques import torque_rows
+    from toolpace.machine.file import ChainFile, JointFile, MachineFile, WorkpieceFile
     from toolpace.machine.geometry import Geometry
+    from toolpace.machine.limit_curves import CurvedLimit, LimitCurve
     from toolpace.machine.limits import Limits
     from toolpace.machine.machine import Machine
     from toolpace.machine.rows import Rows
@@ -106,6 +109,7 @@ __all__ = [
     "Clamping",
     "Coefficients",
     "Controller",
+    "CurvedLimit",
     "Cut",
     "CutLoads",
     "CutSimulation",
@@ -113,6 +117,7 @@ __all__ = [
     "Cutter",
     "CuttingForces",
     "CuttingTool",
+    "Dynamics",
     "EndState",
     "EngagedDeflection",
     "EngagedForces",
@@ -131,7 +136,9 @@ __all__ = [
     "Kinematics",
     "LeftAbovePart",
     "LeftRegion",
+    "LimitCurve",
     "Limits",
+    "Link",
     "Machine",
     "MachineFile",
     "Material",
@@ -180,12 +187,14 @@ __all__ = [
     "ToolProfile",
     "ToolRule",
     "ToolpaceError",
+    "TorqueTerms",
     "Trajectory",
     "UnitWarning",
     "Usage",
     "Verification",
     "Workers",
     "WorkpieceFigures",
+    "WorkpieceFile",
     "Zone",
     "__version__",
     "apply_feed",
@@ -206,6 +215,7 @@ __all__ = [
     "report",
     "search_setup",
     "simulate_cut",
+    "torque_rows",
     "verify",
     "with_engaged_deflection",
     "write_set_up",
@@ -228,6 +238,7 @@ _HOME = {
     "Clamping": "setup_search.clamping",
     "Coefficients": "machine.cutting_tool",
     "Controller": "programs.reading.controllers.controller",
+    "CurvedLimit": "machine.limit_curves",
     "Cut": "machine.cutting_tool",
     "CutLoads": "cutting.forces.engaged",
     "CutSimulation": "cutting.simulation.simulate",
@@ -235,6 +246,7 @@ _HOME = {
     "Cutter": "machine.cutting_tool",
     "CuttingForces": "cutting.forces.fixed_engagement",
     "CuttingTool": "machine.cutting_tool",
+    "Dynamics": "machine.dynamics",
     "EndState": "planning.planned_run",
     "EngagedDeflection": "machine.cutting_tool",
     "EngagedForces": "cutting.forces.engaged",
@@ -253,7 +265,9 @@ _HOME = {
     "Kinematics": "programs.reading",
     "LeftAbovePart": "cutting.simulation.left_above_part",
     "LeftRegion": "cutting.simulation.left_above_part",
+    "LimitCurve": "machine.limit_curves",
     "Limits": "machine.limits",
+    "Link": "machine.dynamics",
     "Machine": "machine.machine",
     "MachineFile": "machine.file",
     "Material": "cutting.forces.material",
@@ -302,12 +316,14 @@ _HOME = {
     "ToolProfile": "cutting.tool_profile",
     "ToolRule": "programs.reading.controllers.tool_rules",
     "ToolpaceError": "common.errors",
+    "TorqueTerms": "machine.dynamics",
     "Trajectory": "motion.trajectory",
     "UnitWarning": "common.errors",
     "Usage": "motion",
     "Verification": "judge",
     "Workers": "common.workers",
     "WorkpieceFigures": "programs.stock_figures",
+    "WorkpieceFile": "machine.file",
     "Zone": "setup_search.choices",
     "apply_feed": "programs.reading",
     "batch": "jobs.batch",
@@ -326,6 +342,7 @@ _HOME = {
     "report": "results.report",
     "search_setup": "setup_search.search",
     "simulate_cut": "cutting.simulation",
+    "torque_rows": "machine.dynamics.torques",
     "verify": "judge",
     "with_engaged_deflection": "cutting.forces.engaged_deflection",
     "write_set_up": "results.write.set_up_folder",

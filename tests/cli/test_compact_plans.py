@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from tests.support.limited_plans import SLOT, limited_slot
 from tests.support.tampering import Tamper, fails
 from toolpace.cli import demo_programs, main
+from toolpace.cli.commands.verify import other_feed
 from toolpace.judge import seen_motion
 from toolpace.motion import sampling, set_point_files
 from toolpace.motion.laws import SplineLaw
@@ -248,6 +250,25 @@ def test_a_changed_path_or_law_is_found_though_the_seal_is_right(again, capsys, 
     write_trajectory(again.folder / "trajectory.compact", changed.axis_path, changed.laws)
     again.seal()
     fails(again, capsys, "trajectory.compact")
+
+
+def test_speeds_of_a_cut_are_held_against_those_beside_the_plan():
+    plan = limited_slot()
+    axis_path, toolpath = plan.plan.trajectory.axis_path, plan.fed(SLOT.toolpath())
+    assert other_feed(axis_path, toolpath, bends=False) == ("", 0)
+    run = next(each for each in axis_path.runs if each.profile is not None)
+    profile = run.profile
+    higher = replace(profile, speed=1.0001 * profile.speed)
+    changes = (
+        ({"speed_profile": higher}, "not the speeds that the cut"),
+        ({"speed_profile": None}, "not the speeds that the cut"),
+        ({"feed": 0.1 * run.run.feed}, "not the block, feed and least time"),
+    )
+    for change, words in changes:
+        other = FollowRun(replace(run.run, **change), run.machine, run.branch)
+        runs = tuple(other if each is run else each for each in axis_path.runs)
+        assert other_feed(replace(axis_path, runs=runs), toolpath, bends=False)[0].startswith(words)
+    assert other_feed(axis_path, SLOT.toolpath(), bends=False)[0]
 
 
 def test_a_path_of_another_plan_or_damaged_is_found(again, plans, tmp_path, capsys):

@@ -133,13 +133,15 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
         ("[stock]\nbox = [[0, 0, -10], [20, 20, 0]]\n", "[tools.1] with kind, diameter"),
         ("[tools.1]\nlength = 120\n", "tool 1 tells no shape"),
         (SHEET.replace("[20, 20, 0]", "[-500, 20, 0]").replace("[[0,", "[[-900,"), "away from all moves at feed"),
+        (SHEET + '[fixtures.vice]\nmesh = "vice.stl"\n', "vice.stl: cannot be read"),
+        (SHEET.replace("[20, 20, 0]", "[20000, 20000, 0]"), "a resolution of 0.4 mm takes "),
     ],
 )
-def test_what_the_sheet_lacks_is_one_line_with_the_cure(folder, capsys, sheet, words):
+def test_what_the_sheet_lacks_is_one_line_with_the_cure_before_the_plan(folder, capsys, sheet, words):
     (folder / "lacks.toml").write_text(sheet)
     assert run(folder, "slot.ngc", sheet="lacks.toml") == 2
-    error = capsys.readouterr().err.strip()
-    assert words in error and "\n" not in error
+    said = capsys.readouterr()
+    assert words in said.err and "\n" not in said.err.strip() and "planning" not in said.out
 
 
 @pytest.mark.parametrize(
@@ -169,12 +171,12 @@ def test_files_of_the_stock_are_numbered_as_the_rows_of_the_table(folder, capsys
 
 
 def test_a_question_of_the_stock_s_unit_is_asked_once(folder, capsys):
-    from toolpace.cutting.stock.dexels import _box_triangles
+    from toolpace.cutting.stock.mesh_topology import box_triangles
     from toolpace.results.cut.folder import write_stl
 
     inch = 1e-3 / 25.4
     low, high = np.array([-8.0, 0.0, -10.0]), np.array([28.0, 20.0, 0.0])
-    write_stl(folder / "inch.stl", _box_triangles(low * inch, high * inch))
+    write_stl(folder / "inch.stl", box_triangles(low * inch, high * inch))
     (folder / "inch.toml").write_text('[stock]\nmesh = "inch.stl"\n' + SHEET[SHEET.index("[tools.1]") :])
     (folder / "near.ngc").write_text(SLOT.replace("Y10", "Y0.3"))
     run(folder, "near.ngc", "--json", sheet="inch.toml")

@@ -323,6 +323,21 @@ def test_a_table_without_a_header_is_planned_and_judged_by_the_columns_that_are_
     assert main(["verify", str(out), "--units", "in"]) == 1
 
 
+def test_lenient_lists_what_it_reads_on_as_assumed(tmp_path, capsys):
+    path = tmp_path / "open.ngc"
+    path.write_text("G21 G90 G94\nG0 X1\nG1 X3 F100\n")
+    as_linuxcnc = [str(path), "--controller", "linuxcnc", "--machine", "xyzac-trunnion"]
+    code, (found,) = inspected(capsys, *as_linuxcnc)
+    assert code == 2 and "M2" in found["refused"][0]["word"] and found["assumed"] == []
+    code, (found,) = inspected(capsys, *as_linuxcnc, "--lenient")
+    assert code == 0 and found["refused"] == []
+    (sentence,) = found["assumed"]
+    assert sentence.startswith("read, though the control stops there: the end")
+    path.write_text("G21 G90 G94\nG0 X1\nG1 X3 F100\nG99.5\n")
+    code, (found,) = inspected(capsys, *as_linuxcnc, "--lenient")
+    assert code == 2 and [each["word"] for each in found["refused"]] == ["G99.5"]
+
+
 def test_a_plan_keeps_how_it_was_read_and_is_judged_by_it(five, tmp_path, capsys):
     sheet, mine, out = tmp_path / "setup.toml", tmp_path / "mine.toml", tmp_path / "out"
     sheet.write_text(SHEET)

@@ -19,7 +19,7 @@ from toolpace.cutting.feeds.limited_plan import CutLimitedPlan, plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.forces.material import Material
-from toolpace.judge.cut import CutJudge
+from toolpace.judge.cut.instants import CutJudge
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record, promise_of

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from toolpace.common.errors import UsageError
@@ -27,6 +29,22 @@ def test_every_material_says_where_it_is_from_and_where_it_holds(name):
     assert 1e8 < least <= material.coefficients.tangential <= most < 1e10
     for cutter in material.others:
         assert Material.load(name, cutter).cutter == cutter
+
+
+@pytest.mark.parametrize("rake", [0, 5, 12])
+def test_titanium_is_that_of_orthogonal_data_in_oblique_cutting(rake):
+    """Budak, Altintas, Armarego 1996, with chips that flow off at the angle of the helix, at a chip of 0.05 mm."""
+    found = Material.load("ti-6al-4v", f"rake {rake} degrees").coefficients
+    alpha, helix = math.radians(rake), math.radians(30.0)
+    ratio = (1.755 - 0.028 * rake) * 0.05 ** (0.331 - 0.0082 * rake)
+    shear = math.atan2(ratio * math.cos(alpha), 1.0 - ratio * math.sin(alpha))
+    friction = math.atan(math.tan(math.radians(19.1 + 0.29 * rake)) * math.cos(helix))
+    along, across = math.cos(friction - alpha), math.sin(friction - alpha)
+    lateral = math.tan(helix) * math.sin(friction)
+    pressure = 613e6 / math.sin(shear) / math.hypot(math.cos(shear + friction - alpha), lateral)
+    assert found.tangential == pytest.approx(pressure * (along + math.tan(helix) * lateral), rel=5e-4)
+    assert found.radial == pytest.approx(pressure * across / math.cos(helix), rel=5e-4)
+    assert found.axial == pytest.approx(pressure * (along * math.tan(helix) - lateral), rel=5e-4)
 
 
 def test_a_name_is_found_as_people_write_it():

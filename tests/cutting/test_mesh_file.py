@@ -194,10 +194,21 @@ def test_files_that_are_not_there_or_too_fine(tmp_path):
         load_mesh(tmp_path / "folder.stl")
     many = tmp_path / "many.stl"
     with many.open("wb") as stream:
-        stream.write(stl(BOX[:0], 10_000_000)[:84])
-        stream.truncate(84 + 50 * 10_000_000)
-    with pytest.raises(UsageError, match=f"has 10000000 triangles; .* {MOST_TRIANGLES} are the most"):
+        stream.write(stl(BOX[:0], 19_000_000)[:84])
+        stream.truncate(84 + 50 * 19_000_000)
+    with pytest.raises(UsageError, match=f"has 19000000 triangles; .* {MOST_TRIANGLES} are the most"):
         load_mesh(many)
+
+
+def test_a_mesh_is_read_once_as_long_as_its_file_stays_as_it_is(tmp_path):
+    path = tmp_path / "a.stl"
+    path.write_bytes(stl(BOX))
+    mesh = load_mesh(path)
+    assert load_mesh(path) is mesh and load_mesh(path, "in") is not mesh
+    path.write_bytes(stl(2.0 * BOX))
+    assert volume(load_mesh(path).triangles) == pytest.approx(8.0 * volume(mesh.triangles))
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.triangles[0] = 0.0
 
 
 def test_the_door_of_meshes_holds_whatever_the_bytes_are(tmp_path):

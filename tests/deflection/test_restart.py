@@ -39,7 +39,7 @@ def restarted(old: Trajectory, clock: float) -> RestartFromRest:
     return RestartFromRest(aside, PaceRise(steepest(motion, clock, old.limits)))
 
 
-@pytest.mark.parametrize("k", [0.3, 40.0])
+@pytest.mark.parametrize("k", [0.3, pytest.param(40.0, marks=pytest.mark.sweep)])
 def test_the_clock_and_its_rates_are_one_motion_from_rest_to_the_full_pace(k):
     rise = PaceRise(k)
     t = np.linspace(0.0, 1.1 * rise.duration, 200_001)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.growth import NEARLY_LINEAR, order_of_growth
 from toolpace.judge.alignment import Lost, align
-from toolpace.judge.sweep import NEVER, Line, Sweep
+from toolpace.judge.alignment.sweep import NEVER, Line, Sweep
 
 
 def turns(count, radius, *, parts=40, dwell=0, pitch=0.0):

@@ -7,9 +7,9 @@ import pytest
 
 from tests.support.random_rows import HABITS, along, random_program, spoilt
 from toolpace.judge.alignment import Lost, align
+from toolpace.judge.alignment.sections import Sections, Steps
+from toolpace.judge.alignment.sweep import Line
 from toolpace.judge.rows import Stretch
-from toolpace.judge.sections import Sections, Steps
-from toolpace.judge.sweep import Line
 
 
 def case(seed):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import toolpace as tp
+from tests.support.limited_plans import limited_slot
 from toolpace.common.errors import UsageError
 from toolpace.motion.packed_numbers import STRETCH, left_of_splines, splines_of
 from toolpace.motion.trajectory_file import MAGIC, is_writable, read_trajectory, write_trajectory
@@ -50,6 +51,30 @@ def test_the_motion_is_the_same_to_the_bit_at_any_time(trajectory, tmp_path):
     assert again.duration == trajectory.duration and (again.starts == trajectory.starts).all()
     assert again.at(t) == trajectory.at(t) and again.sample(1e-3) == trajectory.sample(1e-3)
     assert again.usage() == trajectory.usage() and again.limited_by() == trajectory.limited_by()
+
+
+def test_speeds_that_a_cut_allows_come_back_with_the_motion(tmp_path):
+    plan = limited_slot()
+    trajectory = plan.plan.trajectory
+    assert is_writable(trajectory.axis_path, trajectory.laws)
+    write_trajectory(tmp_path / "law", trajectory.axis_path, trajectory.laws)
+    again = loaded(tmp_path / "law", trajectory)
+    assert again.limited_by() == trajectory.limited_by() and again.limited_by()["chip"] > 0.1
+    profiles = [[run.profile for run in each.axis_path.runs] for each in (again, trajectory)]
+    assert profiles[0] == profiles[1] and any(profile is not None for profile in profiles[0])
+    t = np.linspace(0.0, trajectory.duration, 2000)
+    assert again.at(t) == trajectory.at(t) and again.usage() == trajectory.usage()
+
+
+def test_a_profile_that_is_none_is_refused(tmp_path):
+    trajectory = limited_slot().plan.trajectory
+    write_trajectory(tmp_path / "law", trajectory.axis_path, trajectory.laws)
+    data = (tmp_path / "law").read_bytes()
+    end = data.index(b"\n", len(MAGIC))
+    head = msgspec.json.decode(data[len(MAGIC) : end])
+    for change in ({"limits": []}, {"runs": [each | {"profile": each["profile"][:2]} for each in head["runs"]]}):
+        other = MAGIC + msgspec.json.encode(head | change) + data[end:]
+        refused(tmp_path / "law", other, trajectory.axis_path.machine)
 
 
 def test_what_is_no_planned_program_is_not_written():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,13 +13,13 @@ from tests.support.tool_paths import toolpath_through
 from toolpace.kernels.fit.quintic_spline import third_rows
 from toolpace.motion.laws import LinearLaw
 from toolpace.path.fit import tolerance_tube
-from toolpace.path.fit.polyline import PlaceTolerances
+from toolpace.path.fit.polyline import PlaceTolerances, polylines
 from toolpace.path.fit.speed_weights import ACCELERATION, SpeedWeights, basis_derivatives
 from toolpace.path.fit.spline import knots_of
 from toolpace.planning.path_and_pace import local_refit
 from toolpace.planning.path_and_pace.candidate_evaluation import CheapEvaluation
 from toolpace.planning.path_and_pace.local_refit import where_it_matters
-from toolpace.planning.path_and_pace.segment import QUICK
+from toolpace.planning.path_and_pace.segment import QUICK, THOROUGH
 
 TIP, AXIS = 10e-6, math.radians(0.05)
 
@@ -101,6 +102,63 @@ def test_knots_of_a_change_lie_where_the_motion_is_slower_than_its_feed():
     assert (gaps < 0.02 + 0.1 * near).all()
     assert np.count_nonzero(where_it_matters(times, np.zeros_like(slower))) < 50
     assert where_it_matters(times, ~np.zeros_like(slower)).all()
+
+
+@pytest.fixture(scope="module")
+def slow_then_corners():
+    """A run of which the first part is passed at its feed, and the rest goes round corners, with knots of a change."""
+    machine = tp.Machine.load("xyzac-trunnion")
+    straight = "".join(f"G1 X{i}\n" for i in range(1, 9))
+    corners = "".join(f"G1 X{8 + 2 * ((i + 1) // 2)} Y{2 * (i // 2 % 2)}\n" for i in range(1, 12))
+    program = tp.read_text(f"G21 G94 F1500\nG1 X0 Y0 Z0 A5 C5\n{straight}{corners}", machine)
+    path = tp.Path.fit(program, TIP, AXIS, machine)
+    motion = tp.plan(path, machine, planner=CheapEvaluation())
+    tolerances = PlaceTolerances.of(program, TIP, AXIS)
+    line = polylines(program, tolerances, machine)[-1]
+    scale, rapid = np.repeat([tolerances.tip, tolerances.axis], [3, 2]), program.rapid[line.entry]
+    return local_refit.fitted_run(
+        path.runs[-1], motion.axis_path.runs[-1], motion.laws[-1], line, rapid, scale, 0.1, QUICK
+    )  # fmt: skip
+
+
+def test_the_fewest_windows_that_hold_nine_tenths_of_the_lost_time_are_changed(slow_then_corners, monkeypatch):
+    monkeypatch.setattr(local_refit, "WINDOW", 20)
+    fitted = slow_then_corners
+    stage = local_refit.windows(len(fitted.breaks) + 4, False)[0]
+    chosen = local_refit.where_time_is_lost(fitted, stage)
+
+    def lost(window):
+        between = fitted.times[[max(window[0] - 5, 0), min(window[1], len(fitted.times) - 1)]]
+        t = np.linspace(*between, 4001)
+        s, speed = fitted.law.at(t)[:2]
+        return np.trapezoid(1.0 - speed / fitted.joints.speed_cap(s), t)
+
+    shares = {window: lost(window) for window in stage}
+    held = sum(shares[window] for window in chosen) / sum(shares.values())
+    assert 0.89 < held < 1.0 and len(chosen) < len(stage)
+    assert held - min(shares[window] for window in chosen) / sum(shares.values()) < 0.91
+    assert min(shares[window] for window in chosen) > 0.9 * max(shares[w] for w in stage if w not in chosen)
+    assert local_refit.where_time_is_lost(fitted, []) == []
+    assert local_refit.where_time_is_lost(replace(fitted, care=THOROUGH), stage) == stage
+
+
+def test_cells_that_no_change_moves_keep_the_knots_of_the_run(slow_then_corners):
+    from scipy.interpolate import BSpline
+
+    fitted = slow_then_corners
+    x = np.zeros((len(fitted.breaks) + 4, 6))
+    x[40:60] = np.random.default_rng(3).standard_normal((20, 6))
+    run = local_refit.with_change(fitted, x)
+    changed = fitted.breaks[(fitted.breaks >= fitted.breaks[35]) & (fitted.breaks <= fitted.breaks[60])]
+    assert np.array_equal(run.breaks, np.union1d(fitted.run.breaks, changed)) and len(run.breaks) < len(fitted.breaks)
+    s = np.linspace(fitted.breaks[0], fitted.breaks[-1], 5001)
+    before, after = fitted.run.evaluate(s), run.evaluate(s)
+    moved = BSpline(knots_of(fitted.breaks), x[:, :5] * fitted.scale, 5)
+    for order in range(4):
+        there = moved.derivative(order)(s) if order else moved(s)
+        size = 1e-9 * np.abs(there).max()
+        assert np.allclose(after.tip[order] - before.tip[order], there[:, :3], rtol=1e-7, atol=size)
+        assert np.allclose(after.rotary[order] - before.rotary[order], there[:, 3:], rtol=1e-7, atol=size)
 
 
 def test_a_run_that_its_feeds_make_long_is_not_cut_into_a_billion_pieces(machine, monkeypatch):

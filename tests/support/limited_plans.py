@@ -11,7 +11,7 @@ from tests.support.set_up_sheets import milling_sheet
 from toolpace.cutting.feeds.limited_plan import CutLimitedPlan, plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.judge.cut import round_stock
+from toolpace.judge.cut.stocks import box_stock
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
 
@@ -29,7 +29,7 @@ G0 Z20
 M30
 """
     chip = 0.05e-3
-    stock = staticmethod(round_stock((np.array([0.0, -20e-3, -20e-3]), np.array([40e-3, 20e-3, 0.0])), None, 0.0))
+    stock = staticmethod(box_stock(np.array([0.0, -20e-3, -20e-3]), np.array([40e-3, 20e-3, 0.0]), 0.0))
     tools = (ToolFigures("flat", 10e-3, flute_length=20e-3, teeth=3, stick_out=40e-3, material="carbide",
                                spindle_speed=100.0),)  # fmt: skip
 

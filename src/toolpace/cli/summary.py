@@ -12,7 +12,8 @@ from toolpace.common.errors import printable
 from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limit_curves import CURVE
+from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
@@ -149,7 +150,9 @@ def limit_in_words(name: str) -> str:
     kind, _, joint = name.partition(" ")
     if name == "nothing":
         return "no limit reached"
-    return f"{kind} of {joint}" if kind in KINDS else name
+    if kind in KINDS and joint.startswith(CURVE):
+        return f"{kind} of {joint.removeprefix(CURVE)} at its speed"
+    return f"{kind} of {joint}" if kind in (*KINDS, *MOTORS) else name
 
 
 def limits_in_words(shares: dict[str, float]) -> str:
@@ -189,6 +192,13 @@ def usage_table(record: PlanRecord) -> Table:
         table.add_column(joint, justify="right", no_wrap=True, min_width=6)
     for kind, values in kinds.items():
         table.add_row(kind, *(_percent(value) for value in values.values()))
+        over_speed = {name.removeprefix(f"{kind} {CURVE}"): each for name, each in usage.curves.items() if kind in name}
+        if over_speed:
+            cells_of_joints = (_percent(over_speed[joint]) if joint in over_speed else "" for joint in values)
+            table.add_row("  at its speed", *cells_of_joints)
+    if usage.motor:
+        of_motors = (_percent(usage.motor[joint]) if joint in usage.motor else Text("-") for joint in usage.velocity)
+        table.add_row("torque, force", *of_motors)
     if usage.feed > 0.0:
         table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
     return table
@@ -199,7 +209,12 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
     up in a line."""
     if not record.prices_s:
         return
-    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in KINDS}
+    kinds = (*KINDS, *MOTORS)
+    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
+    for curve in machine.limits.curves:
+        of_joint = f"{curve.kind} {curve.joint}"
+        now[curve.name] = now[of_joint]
+        now[of_joint] = f"{now[of_joint].partition(' ..')[0]} {now[of_joint].rpartition(' ')[2]}"
     headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
     table = new_table(headings, left=("limit",))
     dear = savings(record.prices_s, record.duration_s)
@@ -229,9 +244,11 @@ def verdict(record: PlanRecord, verification: Verification) -> Text:
     """Passed, or what is worst, and by which tolerances and options that was judged; wide tolerances in words."""
     within = f"within {printable(reading_in_words(record))}"
     wide = wider_than_default(record)
-    warning = (f"\nWIDER THAN THE DEFAULT: {wide}", "bold yellow") if wide else ""
+    words = [f"WIDER THAN THE DEFAULT: {wide}"] if wide else []
+    words += [f"NOT JUDGED: {printable(each)}" for each in verification.unjudged]
+    warning = ("".join(f"\n{each}" for each in words), "bold yellow")
     if verification.ok:
-        count = len(verification.checks)
+        count = len(verification.checks) - len(verification.unjudged)
         points = f"{verification.set_points} set-points at {format_time(verification.dt)}"
         return Text.assemble(("VERIFIED", "bold green"), f"  {within}; {count} checks on {points}", warning)
     found = verification.findings
@@ -291,7 +308,7 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
     """Every check, one a row, what was not checked, and the verdict."""
     table = new_table(("check", "worst", "allowed", "where", ""), left=("check", "where", ""))
     for row in verification.rows():
-        table.add_row(*cells(row, "" if row[-1] == "ok" else "bold red"))
+        table.add_row(*cells(row, {"ok": "", "FAILED": "bold red"}.get(row[-1], "bold yellow")))
     console.print(table)
     unchecked = ", ".join(AS_SAID)
     console.print(f"taken from the planner, checked against the other figures only: {unchecked}", soft_wrap=True)
@@ -302,10 +319,12 @@ def show_verification(console: Console, record: PlanRecord, verification: Verifi
 def show_machine(console: Console, machine: Machine) -> None:
     """The chain, and travel and limits of each joint."""
     _head(console, machine)
-    headings = ("joint", "travel", "velocity", "acceleration", "jerk")
+    table_rows = machine.summary()
+    motors = [kind for kind in MOTORS if any(kind in row for row in table_rows)]
+    headings = ("joint", "travel", "velocity", "acceleration", "jerk", *motors)
     table = new_table(headings, left=("joint",))
-    for row in machine.summary():
-        table.add_row(*cells(row[heading] for heading in headings))
+    for row in table_rows:
+        table.add_row(*cells(row.get(heading, "-") for heading in headings))
     console.print(table)
 
 

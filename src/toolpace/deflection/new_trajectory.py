@@ -276,6 +276,11 @@ def check_replannable(trajectory: Trajectory, time: float, options: ReplanOption
     if not 0.0 <= time <= trajectory.duration:
         shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float
         raise UsageError(f"replan: time {shown:g} s is not within the trajectory's {trajectory.duration:.6g} s")
+    if trajectory.limits.constants.curves:
+        names = ", ".join(f"{curve.kind} of {curve.joint}" for curve in trajectory.limits.constants.curves)
+        raise UsageError(
+            f"replan: limits that depend on the speed ({names}) are not held on the way back; plan with constant ones"
+        )
     if trajectory.limits.rows:
         names = ", ".join(rows.name for rows in trajectory.limits.rows)
         raise UsageError(f"replan: rows of one's own ({names}) are not held on the way back; plan without them")

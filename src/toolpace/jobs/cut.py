@@ -99,10 +99,9 @@ def cut_program(
     )
     plan_steps.warm_up(steps)
     toolpath = plan_steps.read_program(task, steps)
-    # what the sheet lacks is said before the plan, which may take minutes
-    tools, _ = set_up.tools_in_use(toolpath, request.options.setup)
-    if left is None:
-        set_up.stock_body(toolpath, request.options.setup, request.machine, tools)
+    set_up.check_before_planning(
+        toolpath, request.options.setup, request.machine, request.resolution, request.memory, stock=left is None
+    )
     with with_cure_of_zero(toolpath.assumed):
         planned = plan_steps.plan_motion(task, steps, plan_steps.fit_path(task, steps, toolpath))
     with warnings.catch_warnings():

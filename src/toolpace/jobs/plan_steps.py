@@ -62,7 +62,7 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
             planned = within_cut.plan
         else:
             planned = plan_motion(job, steps, fit_path(job, steps, toolpath))
-        trajectory = with_proof(job, steps, with_cheap_bound(job, planned.trajectory))
+        trajectory = with_proof(job, steps, with_cheap_bound(job, steps, planned.trajectory))
         prices = priced(job, steps, trajectory)
         cut = motion_cut.cut_of_known_stock(job.options.setup, steps, trajectory, toolpath)
         say_tool_changes(job, steps, toolpath)
@@ -140,7 +140,6 @@ def plan_motion(job: Job, steps: TimedSteps, fitted: FittedProgram) -> ProgramPl
             fitted, job.machine, planner=job.planner, progress=step,
             check=lambda axis_path: check_travel(axis_path, program_name(job)),
         )  # fmt: skip
-        planned = replace(planned, trajectory=with_cheap_bound(job, planned.trajectory))
         step.note = f"{planned.trajectory.mesh_points} mesh points"
     return planned
 
@@ -165,7 +164,6 @@ def compensated_for_bending(job: Job, steps: TimedSteps, toolpath: ToolPath) -> 
             toolpath, job.machine, job.tool, job.tip_tolerance, job.axis_tolerance, planner=job.planner, progress=step
         )
         check_travel(compensation.trajectory.axis_path, program_name(job))
-        compensation = replace(compensation, trajectory=with_cheap_bound(job, compensation.trajectory))
         iterations = counted(compensation.rounds, "iteration")
         step.note = f"the tool bends by at most {format_length(compensation.largest)}, {iterations}"
     return compensation
@@ -194,11 +192,14 @@ def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
     return replace(job, tool=tool)
 
 
-def with_cheap_bound(job: Job, trajectory: Trajectory) -> Trajectory:
+def with_cheap_bound(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajectory:
     """A motion with a lower bound of any motion, where that is cheap and none is to be proved."""
     from toolpace.planning.bound.continuous import is_cheap, with_continuous_bound
 
-    return with_continuous_bound(trajectory) if job.prove_within is None and is_cheap(trajectory) else trajectory
+    if job.prove_within is not None or not is_cheap(trajectory):
+        return trajectory
+    with steps.step("bounding"):
+        return with_continuous_bound(trajectory)
 
 
 def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajectory:

@@ -18,11 +18,19 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.judge import seen_motion
+from toolpace.judge.alignment.sections import Sections, Steps
 from toolpace.judge.figures import Figures
-from toolpace.judge.motion import column_checks, jumpy_joints, motion_checks, rest_checks, row_checks, step_check
+from toolpace.judge.motion import (
+    column_checks,
+    curve_checks,
+    jumpy_joints,
+    motion_checks,
+    rest_checks,
+    row_checks,
+    step_check,
+)
 from toolpace.judge.program import JudgedProgram, ProgramJudgement
 from toolpace.judge.rows import Stretch
-from toolpace.judge.sections import Sections, Steps
 from toolpace.judge.seen_motion import (
     ORDERS,
     BlockPeaks,
@@ -38,6 +46,7 @@ from toolpace.judge.seen_motion import (
     largest_misfits,
 )
 from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_lengths, tool_table
+from toolpace.judge.torque import JointTorques, torque_checks
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
@@ -97,7 +106,7 @@ def verify(
         raise UsageError(f"verify: tool is {type(tool).__name__}; give a CuttingTool, as load_tool makes it")
     points = trajectory if isinstance(trajectory, SetPoints) else trajectory.sample(dt)
     found = _judged(points, machine, toolpath, tip_tolerance, axis_tolerance, tool, sheet)[0]
-    own = [*(machine.rows if isinstance(machine, Limits) else ()), *rows]
+    own = [*(machine.constants.rows if isinstance(machine, Limits) else ()), *rows]
     if own and not math.isnan(found.dt):
         found = replace(found, checks=found.checks + tuple(row_checks(points, own, found.dt)))
     # without a number there is no step: it is that which was asked for
@@ -179,6 +188,7 @@ class _Notes(NamedTuple):
     jerks: JerkWindows
     tool: BlockTool | None
     still: StillSteps
+    torque: Largest | None
 
 
 class MotionJudge:
@@ -190,7 +200,10 @@ class MotionJudge:
         """Take where the set-points are from, the machine, the program, and the text of the set-up sheet."""
         self.source, self.program, self.sheet = source, program, sheet
         self.machine = machine if isinstance(machine, Machine) else None
-        self.limits = machine if isinstance(machine, Limits) else machine.limits
+        limits = machine if isinstance(machine, Limits) else machine.limits
+        self.limits, self.over_speed = limits.largest, limits.constants
+        torques = None if self.machine is None else JointTorques(self.machine.file)
+        self._torques = torques if torques is not None and np.isfinite(torques.limits).any() else None
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
@@ -244,6 +257,7 @@ class MotionJudge:
             JerkWindows.of(block, begin, behind, np.flatnonzero(~jumpy)),
             tool,
             StillSteps.of(block, begin, behind, limits, self.step),
+            None if self._torques is None else self._torques.largest(block, begin, end),
         )
 
     def _note_bad(self, block: Block) -> None:
@@ -270,12 +284,17 @@ class MotionJudge:
             return Verification((first,), math.nan, count), None
         if not self._goes_on:
             return Verification(tuple(self._steps), self.step, count), None
+        torques = [self._notes[begin].torque for begin in sorted(self._notes)]
         seen, machine, program = self._seen(), self.machine, self.program
         units = [""] * len(seen.joints)
         if machine is not None:
             units = ["rad" if rotary else "m" for rotary in machine.is_rotary]
         checks = self._steps + motion_checks(seen, self.limits, units, self._beyond if machine is not None else None)
+        checks += curve_checks(self.source, self.over_speed, units, self.step, self._even)
         checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
+        if self._torques is not None:
+            largest = Largest.of_all([each for each in torques if each is not None])
+            checks += torque_checks(seen, largest, self._torques.limits, units)
         judged = ProgramJudgement([], math.nan, math.nan)
         if machine is not None:
             checks += self._names(machine) + tool_checks(seen, machine)

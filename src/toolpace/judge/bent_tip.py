@@ -84,7 +84,7 @@ class BentTool:
             wide = np.array([units[0] + slack, units[1]])
             scale = np.repeat(wide / units, 3)
             room = (tolerances[owner[1:]] - units) / wide
-            motion = motion_row(points, np.hstack([bent, axis]) / np.repeat(wide, 3), self.machine.limits, dt)
+            motion = motion_row(points, np.hstack([bent, axis]) / np.repeat(wide, 3), self.machine.limits.largest, dt)
             found = align(motion.poses, np.ascontiguousarray(line / scale), 1.0 + 1e-3, motion.allowance, room)
             if isinstance(found, Lost):
                 return found

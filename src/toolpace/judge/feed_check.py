@@ -12,9 +12,9 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.value_objects import counted
 from toolpace.judge.alignment import Alignment
+from toolpace.judge.alignment.sections import Section
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.rows import MotionRow
-from toolpace.judge.sections import Section
 from toolpace.judge.verification import Check
 from toolpace.programs.toolpath import ToolPath
 

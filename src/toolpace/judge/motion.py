@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Ints
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.judge.seen_motion import EPS, WINDOW, SeenMotion, ends_sooner, still_step
 from toolpace.judge.verification import Check
+from toolpace.machine.limit_curves import CurvedLimit
 from toolpace.machine.limits import Limits
 from toolpace.machine.rows import Rows
 from toolpace.motion.setpoints import ROWS, SetPoints, SetPointSource
@@ -107,6 +108,64 @@ def motion_checks(
     return checks
 
 
+def curve_checks(
+    source: SetPointSource, limits: Limits, units: Sequence[str], dt: float, even: int
+) -> list[Check]:
+    """Limits that fall with the speed of their joint, over the `even` first set-points, which come at equal steps.
+
+    A second or third difference is a mean of the acceleration or jerk, and so is within the mean of the limits there.
+    That is the limit at the mean speed where the curve is straight, less where it is concave, and where it is convex at
+    most the mean of those at the ends. Nothing is asked of the planner's own speeds.
+    """
+    checks = []
+    for curve in limits.curves:
+        j, order = limits.joints.index(curve.joint), 2 + (curve.kind == "jerk")
+        worst = Check(curve_name(curve), 0.0, curve.largest, unit_of(units[j], order), True, joint=curve.joint)
+        used = 0.0
+        for begin in range(0, max(even - order, 0), ROWS):
+            part = source.rows(begin, min(begin + ROWS + order, even))
+            q = part.q[:, j]
+            value, step = np.diff(q, order) / dt**order, np.diff(q) / dt
+            first, last = step[: len(value)], step[order - 1 :]
+            mean = (q[order:] - q[: len(value)]) / (order * dt)
+            limit = np.maximum(
+                limit_over_speed(curve, mean, value),
+                (limit_over_speed(curve, first, value) + limit_over_speed(curve, last, value)) / 2.0,
+            )
+            turns = first * last <= 0.0
+            # about a turn, where braking ends and speeding up begins
+            at_rest = [curve.largest] if curve.sides == "speeding up" else limit_over_speed(curve, 0.0 * value, value)
+            limit = np.where(turns, at_rest, limit)
+            speed = float(np.abs(step).max(initial=0.0))
+            rounding = position_noise(float(np.abs(q).max()), float(np.abs(part.t).max()), speed)
+            noise = 2.0**order * rounding / dt**order
+            share = (np.abs(value) - noise) / limit
+            k = int(share.argmax())
+            if share[k] > used:
+                used, at = float(share[k]), k + order // 2
+                ok = used <= 1.0 + TOLERANCE
+                worst = Check(
+                    worst.name, abs(float(value[k])), float(limit[k]), worst.unit, ok, float(part.t[at]),
+                    int(part.block[at]), curve.joint, f"at {abs(float(mean[k])):.4g} {unit_of(units[j], 1)}",
+                    noise=noise,
+                )  # fmt: skip
+        checks.append(worst)
+    return checks
+
+
+def curve_name(curve: CurvedLimit) -> str:
+    """What its check is called."""
+    return f"{curve.kind} over speed"
+
+
+def limit_over_speed(curve: CurvedLimit, speed: Floats, pushed: Floats) -> Floats:
+    """(n,) the limit at speeds (n,) for accelerations or jerks with these signs (n,): straight between corners."""
+    limits = [np.interp(np.abs(speed), each.speed, each.limit) for each in curve.curves]
+    forth = pushed * speed >= 0.0 if curve.sides == "speeding up" else pushed >= 0.0
+    limit: Floats = np.where(forth, limits[0], limits[-1])
+    return limit
+
+
 def row_checks(points: SetPoints, rows: Sequence[Rows], dt: float) -> list[Check]:
     """Rows of one's own, by the time alone.
 
@@ -117,7 +176,7 @@ def row_checks(points: SetPoints, rows: Sequence[Rows], dt: float) -> list[Check
     checks = []
     for each in rows:
         order = each.order + 1
-        if each.quantity is not None:
+        if each.quantity is not None and each.lines is None:
             p = np.asarray(each.quantity(points.q), dtype=float).reshape(len(points), -1)
             uneven = ends_sooner(points.t, dt)
             shown = np.abs(np.diff(p[: len(p) - uneven], order, axis=0)) / dt**order
@@ -126,7 +185,12 @@ def row_checks(points: SetPoints, rows: Sequence[Rows], dt: float) -> list[Check
             noise = 2.0**order * rounding / dt**order
         else:
             moment = np.stack([points.q, points.qd, points.qdd, points.qddd])
-            shown, noise = np.abs(each.shares(moment)[:, :, 0]) * each.limit, 0.0
+            noise = 0.0
+            if each.lines is None:
+                shown = np.abs(each.shares(moment)[:, :, 0]) * each.limit
+            else:
+                state = np.stack([points.t, np.ones(len(points)), np.zeros(len(points)), np.zeros(len(points))])
+                shown = each.ratio(moment, state)[:, None] * each.limit
         at = int(shown.max(axis=1).argmax()) if len(shown) else 0
         value = float(shown.max(initial=0.0))
         ok = value <= each.limit * (1.0 + TOLERANCE) + noise

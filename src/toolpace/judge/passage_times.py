@@ -14,8 +14,8 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import printable
+from toolpace.judge.alignment.sections import Section
 from toolpace.judge.motion import TOLERANCE
-from toolpace.judge.sections import Section
 from toolpace.judge.seen_motion import SeenMotion, still_step
 from toolpace.judge.usage import wrong
 from toolpace.judge.verification import Check
@@ -187,7 +187,7 @@ def still_runs(seen: SeenMotion, machine: Machine, dt: float, share: float) -> I
     """(k, 2) first and last set-point of each stretch in which no step is longer than a share of the first one out of
     rest."""
     rounding = 8.0 * float(np.finfo(np.float64).eps) * np.maximum(seen.peaks.position, 1.0)
-    most = share * still_step(machine.limits, dt) + rounding
+    most = share * still_step(machine.limits.largest, dt) + rounding
     still = seen.still.step[(seen.still.moved <= most).all(axis=1)]
     first = still[np.diff(still, prepend=-2) > 1]
     last = still[np.diff(still, append=len(seen) + 1) > 1]

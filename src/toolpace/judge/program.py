@@ -11,13 +11,13 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.alignment import BothWays, Lost, align, room_at_poses
+from toolpace.judge.alignment.sections import Section, Sections, Steps
+from toolpace.judge.alignment.sweep import Line
 from toolpace.judge.bent_tip import BentTool
 from toolpace.judge.feed_check import FeedUse, WrongBlocks, untold_feeds
 from toolpace.judge.passage_times import Passages, Passing, SectionPassages, joined_stays, waiting
 from toolpace.judge.rows import MotionRow, joined, program_line, stretches_of
-from toolpace.judge.sections import Section, Sections, Steps
 from toolpace.judge.seen_motion import SeenMotion
-from toolpace.judge.sweep import Line
 from toolpace.judge.tool import forward_kinematics, way_lengths
 from toolpace.judge.verification import Check
 from toolpace.machine.cutting_tool import CuttingTool
@@ -108,7 +108,7 @@ class JudgedProgram:
         tip, axis = forward_kinematics(points, self.machine)
         tips = self.bent.tips(points, tip, axis, self.line.poses, self.owner, self.along, dt)
         there = tip if isinstance(tips, Lost) else tips
-        stretches = stretches_of(points, self.poses(there, axis), self.machine.limits, dt)
+        stretches = stretches_of(points, self.poses(there, axis), self.machine.limits.largest, dt)
         motion = joined(stretches, points.t, stretches[-1].poses[-1])
         found: BothWays | Lost
         if isinstance(tips, Lost):

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from toolpace.common.arrays import Floats
 from toolpace.judge.feed_check import FeedUse
-from toolpace.judge.motion import TOLERANCE
+from toolpace.judge.motion import TOLERANCE, limit_over_speed
+from toolpace.judge.torque import JointTorques
 from toolpace.judge.verification import Check
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
@@ -57,7 +59,7 @@ class UsageFigures:
 
     def of_usage(self) -> list[Check]:
         """Peaks over limits: not below what the set-points show, not above what can hide between them."""
-        usage, limits, dt = self.said["usage"], self.machine.limits, self.dt
+        usage, limits, dt = self.said["usage"], self.machine.limits.largest, self.dt
         checks = []
         above: list[float] = []
         values = (self.points.qd, self.points.qdd, self.points.qddd)
@@ -85,10 +87,68 @@ class UsageFigures:
                 if not least <= said <= most:
                     note = f"by the set-points {least:.6g} to {most:.6g}"
                     checks.append(Check(f"plan.json usage {kind}", said, peak, "", False, joint=joint, note=note))
-        checks += self.of_feed()
+        checks += [*self.of_curves(), *self.of_motors(), *self.of_feed()]
+        above += map(float, (*usage.get("curves", {}).values(), *usage.get("motor", {}).values()))
         if not checks:
             worst = max([*above, float(usage["feed"])])
             checks.append(Check("plan.json usage", worst, 1.0, "", worst <= 1.0 + TOLERANCE, note="of each limit"))
+        return checks
+
+    def of_motors(self) -> list[Check]:
+        """The use of torques and forces: not below that of the set-points, nor above it by more than its largest step
+        between two of them."""
+        said, torques, names = self.said["usage"].get("motor", {}), JointTorques(self.machine.file), self.machine.joints
+        limits = torques.limits
+        if set(said) != {name for name, limit in zip(names, limits) if math.isfinite(limit)}:
+            return [wrong("usage motor", f"names {', '.join(said)}: not the joints whose motors have limits")]
+        checks = []
+        shares = self.motor_shares() if said else np.zeros((1, 0))
+        for (joint, value), share in zip(said.items(), shares.T):
+            least, change = float(share.max()), float(np.abs(np.diff(share)).max(initial=0.0))
+            low, most = least * (1.0 - LOOK) - 1e-12, min((least + change) * (1.0 + TOLERANCE), 1.0 + TOLERANCE)
+            if not low <= float(value) <= most:
+                note = f"by the set-points {low:.6g} to {most:.6g}"
+                checks.append(Check("plan.json usage motor", float(value), least, "", False, joint=joint, note=note))
+        return checks
+
+    def motor_shares(self) -> Floats:
+        """(n, k) torques and forces at the set-points over their limits, of the joints that have one."""
+        torques, points = JointTorques(self.machine.file), self.points
+        held = np.isfinite(torques.limits)
+        shares: Floats = np.abs(torques.at(points.q, points.qd, points.qdd)[:, held]) / torques.limits[held]
+        return shares
+
+    @property
+    def motors(self) -> list[str]:
+        """Names of the limits of torque and force, in the order of the joints."""
+        joints = self.machine.file.joints.items()
+        return [
+            f"{'force' if joint.kind == 'linear' else 'torque'} {name}"
+            for name, joint in joints
+            if math.isfinite(joint.most_torque)
+        ]
+
+    def curve_shares(self) -> dict[str, Floats]:
+        """(n,) what each set-point uses of each limit that falls with the speed of its joint, by name."""
+        limits, points, found = self.machine.limits, self.points, {}
+        for curve in limits.curves:
+            if curve.largest > curve.least:
+                j, value = limits.joints.index(curve.joint), points.qdd if curve.kind == "acceleration" else points.qddd
+                limit = limit_over_speed(curve, points.qd[:, j], value[:, j])
+                found[curve.name] = np.abs(value[:, j]) / limit
+        return found
+
+    def of_curves(self) -> list[Check]:
+        """Peaks over limits that fall with the speed: not below what the set-points show, and within the limit."""
+        said, shown = self.said["usage"].get("curves", {}), self.curve_shares()
+        if set(said) != set(shown):
+            return [wrong("usage curves", f"names {', '.join(said) or 'none'}: not the machine's curves")]
+        checks = []
+        for name, shares in shown.items():
+            peak = float(shares.max(initial=0.0))
+            if not peak * (1.0 - LOOK) - ROUNDED <= float(said[name]) <= 1.0 + TOLERANCE:
+                note = f"{name}, by the set-points at least {peak:.6g}"
+                checks.append(Check("plan.json usage curves", float(said[name]), peak, "", False, note=note))
         return checks
 
     def rounding(self, j: int, order: int) -> float:
@@ -96,7 +156,7 @@ class UsageFigures:
 
         The smallest change of position that its limits allow in a step tells it.
         """
-        limits = self.machine.limits
+        limits = self.machine.limits.largest
         change = min(float(getattr(limits, kind)[j]) * self.dt**steps for steps, kind in enumerate(KINDS, 1))
         return ROUNDED * change / self.dt ** (order + 1)
 
@@ -120,6 +180,7 @@ class UsageFigures:
         """The limits that bind, and the share of the time in which each does."""
         said = {name: float(share) for name, share in self.said["limited_by"].items()}
         limits = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
+        limits += [*self.curve_shares(), *self.motors]
         profile = None if self.toolpath is None else self.toolpath.speed_profile
         loads = () if profile is None else profile.names
         strange = [name for name in said if name not in (*limits, *loads, "dwell", "nothing")]
@@ -155,12 +216,18 @@ class UsageFigures:
             return []
         joints = self.machine.joints
         powers = {"feed": 1.0} | {f"{kind} {joint}": k for k, kind in enumerate(KINDS, 1) for joint in joints}
-        strange = [name for name in said if name not in powers]
+        curves = self.curve_shares()
+        strange = [name for name in said if name not in powers and name not in (*curves, *self.motors)]
         if strange or not min(said.values()) >= 0.0:
             return [wrong("prices_s", f"names {', '.join(strange)}" if strange else "a price is below zero")]
+        if any(said.get(name, 0.0) > 0.0 for name in curves):
+            return []  # what falls with the speed is not as fast again on a faster machine
         moving = float(self.said["duration_s"]) - (0.0 if self.toolpath is None else float(self.toolpath.dwell.sum()))
-        total = 100.0 * sum(powers[name] * price for name, price in said.items())
+        total = 100.0 * sum(powers[name] * price for name, price in said.items() if name in powers)
         ok = abs(total - moving) <= PRICES * moving
+        if any(said.get(name, 0.0) > 0.0 for name in self.motors):
+            # weight does not grow with the speed: what torques are worth beside the others is not fixed
+            ok = total <= (1.0 + PRICES) * moving
         return [Check("plan.json prices_s", total, moving, "s", ok, note="their sum, against the time of motion")]
 
     def shares(self, names: list[str]) -> tuple[dict[str, float], dict[str, float]]:
@@ -168,13 +235,15 @@ class UsageFigures:
 
         Joints on a diagonal reach their limits at once: which of them binds is a matter of rounding.
         """
-        points, limits = self.points, self.machine.limits
+        points, limits = self.points, self.machine.limits.largest
         ratios = [np.zeros(len(points))]
         if self.feed_use is not None:
             use = self.feed_use.ratio
             ratios[0] = np.maximum(np.append(use, 0.0), np.append(0.0, use))
         kinds = zip((points.qd, points.qdd, points.qddd), (limits.velocity, limits.acceleration, limits.jerk))
-        ratio = np.column_stack([*ratios, *(np.abs(value) / limit for value, limit in kinds)])
+        over_speed = self.curve_shares().values()
+        ratio = np.column_stack([*ratios, *(np.abs(value) / limit for value, limit in kinds), *over_speed])
+        ratio = np.column_stack([ratio, self.motor_shares()]) if self.motors else ratio
         if None in self.said["usage"]["jerk"].values():
             # Where accelerations jump, jerk limits are not held, and hold nothing back.
             ratio = ratio[:, : 1 + 2 * len(limits)]

@@ -36,6 +36,8 @@ class Check(ByValue):
     """Whether `limit` is a lower one."""
     noise: float = 0.0
     """Allowance for rounding and sampling that was granted above the limit, in SI."""
+    judged: bool = True
+    """Whether it was looked at; else it neither passes nor fails, and `note` says why."""
 
     @property
     def ratio(self) -> float:
@@ -108,6 +110,11 @@ class Verification(ByValue):
         return all(check.ok for check in self.checks)
 
     @property
+    def unjudged(self) -> tuple[str, ...]:
+        """What could not be judged, and why: "cut: the tool bends"."""
+        return tuple(f"{check.name}: {check.note}" for check in self.checks if not check.judged)
+
+    @property
     def findings(self) -> tuple[Check, ...]:
         """The checks that failed, worst first."""
         return tuple(sorted((c for c in self.checks if not c.ok), key=lambda c: -c.ratio))
@@ -123,14 +130,14 @@ class Verification(ByValue):
         return self
 
     def rows(self) -> list[tuple[str, str, str, str, str]]:
-        """A summary table: check, worst value, limit, where, "ok" or "FAILED"."""
+        """A summary table: check, worst value, limit, where, "ok", "FAILED" or "not judged"."""
         return [
             (
                 check.name,
                 check.note if math.isnan(check.value) else check.show(check.value),
                 "" if math.isnan(check.value) else check.show(check.limit),
                 check.place,
-                "ok" if check.ok else "FAILED",
+                ("ok" if check.ok else "FAILED") if check.judged else "not judged",
             )
             for check in self.checks
         ]

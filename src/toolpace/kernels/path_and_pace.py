@@ -196,9 +196,9 @@ def add_ball(basis: Floats, moment: Floats, block: Floats) -> None:
 
 @jit()
 def matrix(
-    places: Places, felt: Felt, weight: Floats, bend: Floats, balls: Balls, moment: Floats, low: int, band: Floats
+    places: Places, felt: Felt, weight: Floats, bend: Floats, balls: Balls, moment: Floats, band: Floats
 ) -> None:
-    """Add the Newton matrix to the band (unknowns, 36), from slot `low` on.
+    """Add the Newton matrix to the band (unknowns, 36).
 
     weight (n, 3 m + 1) of the squared rows, bend (n,) of the squared pace, moment (k, 5, 5) of the balls.
     """
@@ -220,7 +220,7 @@ def matrix(
         np.dot(rows.T, rows, block)
         for k in range(balls.start[cell], balls.start[cell + 1]):
             add_ball(balls.basis[k], moment[k], block)
-        first = SLOT * (places.first[each * cell] - low)
+        first = SLOT * places.first[each * cell]
         for k in range(WIDTH):
             for other in range(k, WIDTH):
                 band[first + k, other - k] += block[k, other]
@@ -228,9 +228,9 @@ def matrix(
 
 @jit(reorder=True)
 def gradient(
-    places: Places, felt: Felt, force: Floats, pull: Floats, balls: Balls, push: Floats, low: int, out: Floats
+    places: Places, felt: Felt, force: Floats, pull: Floats, balls: Balls, push: Floats, out: Floats
 ) -> None:
-    """Add the gradient to out (slots, 6), from slot `low` on.
+    """Add the gradient to out (slots, 6).
 
     force (n, 3 m + 1) on the rows, pull (n,) on the pace itself, push (k, 5) on the path where it is held.
     """
@@ -248,11 +248,11 @@ def gradient(
                 y[k] += share * g[r, k]
         for order in range(4):
             for k in range(SLOT):
-                row = out[places.first[n] - low + k]
+                row = out[places.first[n] + k]
                 for c in range(SLOT):
                     row[c] += wide[order, k, c] * y[PAD * order + c]
     for n in range(len(push)):
         for k in range(SLOT):
-            row = out[balls.first[n] - low + k]
+            row = out[balls.first[n] + k]
             for c in range(PACE):
                 row[c] += balls.basis[n, k] * push[n, c]

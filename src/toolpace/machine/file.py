@@ -6,6 +6,7 @@ Every figure is checked where it is read, so that an error can name file, joint 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
@@ -13,12 +14,16 @@ import msgspec
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
+from toolpace.machine.curves_file import check_speeds, curved_limits
+from toolpace.machine.limit_curves import CurvedLimit
 from toolpace.machine.limits import KINDS
 from toolpace.machine.plausibility import (
     LONGEST_NOTE,
     ask_about,
+    check_body,
     check_chain,
     check_joint,
+    check_mass,
     check_name,
     check_place,
     check_text,
@@ -30,6 +35,8 @@ Table = TypeVar("Table", bound=msgspec.Struct)
 FILE = TableFile("machine file", longest=100_000, error=MachineError)
 """One has about 1500 characters."""
 LENGTHS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+GRAVITY = (0.0, 0.0, -9.80665)
+"""Of a machine whose z points upwards [m/s^2]."""
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 
 
@@ -51,6 +58,8 @@ class ChainFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     workpiece_x: Vector = (1.0, 0.0, 0.0)
     workpiece_z: Vector = (0.0, 0.0, 1.0)
     tool_axis: Vector = (0.0, 0.0, 1.0)
+    gravity: Vector = GRAVITY
+    """[m/s^2] whatever the units of the file."""
 
 
 class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -64,6 +73,42 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     point: Vector = (0.0, 0.0, 0.0)
     travel: tuple[float, float] | None = None
     wrap: bool = False
+    force: float | None = None
+    """Most of a linear joint's motor [N]; None where it is not held."""
+    torque: float | None = None
+    """Most of a rotary joint's motor, at the joint [N m]."""
+    mass: float = 0.0
+    """Of what the joint moves, without what is moved by joints on it [kg]."""
+    centre: Vector = (0.0, 0.0, 0.0)
+    """Of that mass."""
+    inertia: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """About that centre [kg m^2]: xx, yy, zz, and xy, xz, yz where they are not zero."""
+    rotor_inertia: float = 0.0
+    """Of the motor, as the joint feels it [kg m^2; of a linear joint kg]."""
+    viscous_friction: float = 0.0
+    """[N m s/rad, N s/m]"""
+    dry_friction: float = 0.0
+    """[N m, N]"""
+    balance: float = 0.0
+    """Torque or force of a counterweight, forwards [N m, N]."""
+
+    curves: tuple[Any, ...] = ()
+    """The limits that fall with its speed, as CurvedLimit [m or rad, s]: of those keys that are more than a number, in
+    place of which the least value stands."""
+
+    @property
+    def most_torque(self) -> float:
+        """The limit of the motor's torque or force [N m, N]; inf where there is none."""
+        limit = self.force if self.kind == "linear" else self.torque
+        return math.inf if limit is None else limit
+
+
+class WorkpieceFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The part with its fixture, which the last joint of the workpiece's chain carries; as in `JointFile`."""
+
+    mass: float
+    centre: Vector = (0.0, 0.0, 0.0)
+    inertia: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -75,6 +120,8 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     note: str = ""
     setup: dict[str, Any] = {}
     """The set-up sheet in the file, as it stands there but for its units, which are named: for reading alone."""
+    workpiece: WorkpieceFile | None = None
+    """Its mass; None where it has none."""
 
     def __hash__(self) -> int:
         return hash((self.name, self.chain, tuple(self.joints.items()), self.note))
@@ -83,7 +130,7 @@ class MachineFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 def read_machine(text: str, source: str) -> MachineFile:
     """Parse and check a machine file; `source` is its name for messages. Raises MachineError."""
     raw = FILE.table(text, source, parse_float=_finite)
-    keys = ("name", "note", "columns", "units", "chain", "joints", "setup")
+    keys = ("name", "note", "columns", "units", "chain", "joints", "workpiece", "setup")
     _check_keys(raw, keys, ("name", "chain", "joints"), "", source)
     units = _convert(raw.get("units", {}), Units, "[units]", source)
     chain = _convert(raw["chain"], ChainFile, "[chain]", source)
@@ -93,10 +140,11 @@ def read_machine(text: str, source: str) -> MachineFile:
         check_name(name, "the name of a joint", source)
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
     written = {name: _with_units(value, f"{source}: joint {name}") for name, value in raw["joints"].items()}
-    joints = {
-        name: _convert(_in_file_units(value, written[name], length, angle), JointFile, f"[joints.{name}]", source)
-        for name, value in raw["joints"].items()
-    }
+    curves, joints = {}, {}
+    for name, value in raw["joints"].items():
+        value, curves[name] = curved_limits(value, name, (length, angle), f"{source}: joint {name}")
+        plain = _in_file_units(value, written[name], length, angle)
+        joints[name] = _convert(plain, JointFile, f"[joints.{name}]", source)
     for key in ("name", "note"):
         if not isinstance(raw.get(key, ""), str):
             raise MachineError(f"{source}: {key} must be text in quotes")
@@ -113,23 +161,43 @@ def read_machine(text: str, source: str) -> MachineFile:
         scale = length if joint.kind == "linear" else angle
         place = f"{source}: joint {name}"
         unit = units.length if joint.kind == "linear" else units.angle
-        check_joint(joint, place, unit, scale)
-        ask_about(joint, place, unit, scale)
+        for figures in (joint, _with_largest(joint, curves[name], scale))[: 1 + bool(curves[name])]:
+            check_joint(figures, place, unit, scale)
+            ask_about(figures, place, unit, scale)
+        check_speeds(curves[name], written[name].get("velocity", joint.velocity * scale), place, (unit, scale))
         check_place(_scaled(joint.point, length), "point", place)
         if joint.kind == "rotary" and "point" not in raw["joints"][name]:
             raise MachineError(
                 f"{place}: point is missing; a rotary joint needs a point on its axis, in the frame of the bed with "
                 "every joint at zero, like point = [0, 0, 0]"
             )
+        check_body(joint, place)
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),
+            centre=_scaled(joint.centre, length),
             **{key: written[name].get(key, getattr(joint, key) * scale) for key in KINDS},
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
+            curves=tuple(curves[name]),
         )
+    workpiece = _workpiece(raw.get("workpiece"), length, source)
     in_order = _in_columns(raw.get("columns"), joints, source)
     setup = _setup(raw.get("setup", {}), units, source)
-    return MachineFile(raw["name"], chain, in_order, raw.get("note", ""), setup)
+    return MachineFile(raw["name"], chain, in_order, raw.get("note", ""), setup, workpiece)
+
+
+def _workpiece(table: object, length: float, source: str) -> WorkpieceFile | None:
+    """The mass of the part."""
+    if table is None:
+        return None
+    part = _convert(table, WorkpieceFile, "[workpiece]", source)
+    check_mass(part, f"{source}: [workpiece]")
+    return msgspec.structs.replace(part, centre=_scaled(part.centre, length))
+
+
+def _with_largest(joint: JointFile, curves: Sequence[CurvedLimit], scale: float) -> JointFile:
+    """The joint with the largest values of its curves, in the unit of the file."""
+    return msgspec.structs.replace(joint, **{curve.kind: curve.largest / scale for curve in curves})
 
 
 def _with_units(raw: object, place: str) -> dict[str, float]:
@@ -196,7 +264,7 @@ def _check_keys(
 def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     if not isinstance(raw, dict):
         raise MachineError(f"{source}: {place} must be a table")
-    fields = msgspec.structs.fields(kind)
+    fields = [field for field in msgspec.structs.fields(kind) if field.name != "curves"]
     _check_keys(
         raw,
         tuple(field.name for field in fields),

@@ -13,8 +13,10 @@ from toolpace.common.errors import printable
 from toolpace.common.files.toml import toml_value
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
-from toolpace.machine.file import ANGLES, LENGTHS, JointFile, MachineFile
+from toolpace.machine.curves_file import curve_text, figures_of
+from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
+from toolpace.machine.limits import MOTORS
 
 LENGTH_ORDER, ANGLE_ORDER = ("mm", "in", "m"), ("deg", "rad")
 """Units to write in: of those in which the figures are equally short, the first."""
@@ -54,6 +56,9 @@ def machine_text(file: MachineFile, leanings: Mapping[str, str]) -> str:
     lines += _chain(file, LENGTHS[length])
     for name in order:
         lines += [("", ""), *_joint(file, name, length, angle, leanings.get(name, ""))]
+    if file.workpiece is not None:
+        lines += [("", ""), ("[workpiece]", f"the part with its fixture, on {['the bed', *file.chain.workpiece][-1]}")]
+        lines += _body(file.workpiece, LENGTHS[length])
     return "".join(_laid_out(lines))
 
 
@@ -61,14 +66,17 @@ def units_of(file: MachineFile) -> tuple[str, str]:
     """The units of length and angle in which the figures of a machine are exact and shortest."""
     chain, joints = file.chain, list(file.joints.values())
     points = [*chain.spindle_nose, *chain.workpiece_origin, chain.tool_length]
-    lengths = points + [figure for joint in joints for figure in joint.point]
+    points += file.workpiece.centre if file.workpiece is not None else ()
+    lengths = points + [figure for joint in joints for figure in (*joint.point, *joint.centre)]
     lengths += [figure for joint in joints if joint.kind == "linear" for figure in _motion(joint)]
     angles = [figure for joint in joints if joint.kind == "rotary" for figure in _motion(joint)]
     return _shortest(lengths, LENGTH_ORDER, LENGTHS), _shortest(angles, ANGLE_ORDER, ANGLES)
 
 
 def _motion(joint: JointFile) -> tuple[float, ...]:
-    return (*(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk)
+    return (
+        *(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk, *figures_of(joint.curves)
+    )  # fmt: skip
 
 
 def _shortest(figures: list[float], order: tuple[str, ...], scales: dict[str, float]) -> str:
@@ -135,6 +143,8 @@ def _chain(file: MachineFile, scale: float) -> Iterator[Line]:
     if chain.tool_axis != (0.0, 0.0, 1.0):
         yield f"tool_axis = {_figures(chain.tool_axis)}", "from the tip to the spindle"
     yield f"tool_length = {_figure(chain.tool_length, scale)}", "from the nose to the tip"
+    if chain.gravity != GRAVITY:
+        yield f"gravity = {_figures(chain.gravity)}", "m/s^2"
 
 
 def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) -> Iterator[Line]:
@@ -155,8 +165,33 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
     else:
         yield f"travel = {_figures(joint.travel, scale)}", f"{unit}, lowest and highest position"
     yield f"velocity = {_figure(joint.velocity, scale)}", f"{unit}/s{_a_minute(joint.velocity / scale, unit)}"
-    yield f"acceleration = {_figure(joint.acceleration, scale)}", f"{unit}/s^2"
-    yield f"jerk = {_figure(joint.jerk, scale)}", f"{unit}/s^3"
+    texts = {each.kind: curve_text(each, lambda value: _figure(value, scale)) for each in joint.curves}
+    for kind, power in (("acceleration", 2), ("jerk", 3)):
+        figure, over = texts.get(kind, _figure(getattr(joint, kind), scale)), f" over {unit}/s" if kind in texts else ""
+        yield f"{kind} = {figure}", f"{unit}/s^{power}{over}"
+    per = "N m" if rotary else "N"
+    for limit, what in ((joint.force, "force"), (joint.torque, "torque")):
+        if limit is not None:
+            yield f"{what} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    yield from _body(joint, LENGTHS[length])
+    for value, what, comment in (
+        (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
+        (joint.viscous_friction, "viscous_friction", f"{per} {'s/rad' if rotary else 's/m'}"),
+        (joint.dry_friction, "dry_friction", per),
+        (joint.balance, "balance", f"{per}, forwards, by a counterweight"),
+    ):
+        if value:
+            yield f"{what} = {_figure(value)}", comment
+
+
+def _body(body: JointFile | WorkpieceFile, scale: float) -> Iterator[Line]:
+    """Mass, centre and inertia, where there are any."""
+    if body.mass or isinstance(body, WorkpieceFile):
+        yield f"mass = {_figure(body.mass)}", "kg"
+    if body.centre != (0.0, 0.0, 0.0):
+        yield f"centre = {_figures(body.centre, scale)}", "of the mass, every joint at zero"
+    if any(body.inertia):
+        yield f"inertia = {_figures(body.inertia)}", f"kg m^2 about it, xx yy zz{' xy xz yz' * (len(body.inertia) > 3)}"
 
 
 def _carried(file: MachineFile, name: str) -> str:
@@ -193,7 +228,8 @@ def listed(names: Iterable[str]) -> str:
 
 
 def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
-    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits."""
+    """One row a joint of a machine of some class: machine, class, joint, kind, carries, travel, limits; force or torque
+    where its motor has a limit."""
     table = []
     for name, joint in file.joints.items():
         unit, scale = ("deg", 180.0 / math.pi) if joint.kind == "rotary" else ("mm", 1e3)
@@ -207,11 +243,20 @@ def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
                 "carries": "workpiece" if name in file.chain.workpiece else "tool",
                 "travel": "endless" if joint.wrap else f"{low * scale:g} .. {high * scale:g} {unit}",
                 "velocity": f"{joint.velocity * scale:g} {unit}/s",
-                "acceleration": f"{joint.acceleration * scale:g} {unit}/s^2",
-                "jerk": f"{joint.jerk * scale:g} {unit}/s^3",
+                "acceleration": f"{_range(joint, 'acceleration', scale)} {unit}/s^2",
+                "jerk": f"{_range(joint, 'jerk', scale)} {unit}/s^3",
             }
         )
+        if math.isfinite(joint.most_torque):
+            turns = joint.kind == "rotary"
+            table[-1][MOTORS[turns]] = f"{joint.most_torque:g} {('N', 'N m')[turns]}"
     return table
+
+
+def _range(joint: JointFile, kind: str, scale: float) -> str:
+    """The limit of a joint, or the largest and the least of its curve."""
+    largest = [f"{curve.largest * scale:g} .. " for curve in joint.curves if curve.kind == kind]
+    return f"{''.join(largest)}{getattr(joint, kind) * scale:g}"
 
 
 def title(file: MachineFile, kind: str) -> str:

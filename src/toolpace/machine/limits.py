@@ -12,10 +12,12 @@ from toolpace.common.arrays import Floats, Ints, numbers
 from toolpace.common.errors import UsageError
 from toolpace.common.units import ask_about_unit
 from toolpace.common.value_objects import ByValue, named, one_line
+from toolpace.machine.limit_curves import CurvedLimit, check_curves
 from toolpace.machine.rows import Rows
 
 KINDS = ("velocity", "acceleration", "jerk")
-
+MOTORS = ("force", "torque")
+"""What limits of motors are named, of linear and of rotary joints: "force X", "torque A"."""
 
 MOST_SCALED = 20.0
 """Factor of limits that is not asked about: percents are more."""
@@ -25,7 +27,8 @@ MOST_SCALED = 20.0
 class Limits(ByValue):
     """Symmetric limits of m joints, each positive; inf where nothing limits.
 
-    A number stands for all joints. Without names the joints are called q1, q2, ...
+    A number stands for all joints. Without names the joints are called q1, q2, ... Where a limit of a joint is a curve
+    over its speed, the least value of the curve stands in the array: who knows constants only is on the safe side.
     """
 
     velocity: Floats
@@ -38,6 +41,10 @@ class Limits(ByValue):
     """Names of the joints."""
     rows: tuple[Rows, ...] = ()
     """Limits of one's own, beside those of the joints."""
+    curves: tuple[CurvedLimit, ...] = ()
+    """Limits of acceleration and jerk that fall with the speed of their joint."""
+    origin: Limits | None = None
+    """Of limits that are `over_speed`: those that they were made of."""
 
     def __init__(
         self,
@@ -46,6 +53,8 @@ class Limits(ByValue):
         jerk: npt.ArrayLike,
         joints: Sequence[str] | None = None,
         rows: Sequence[Rows] = (),
+        curves: Sequence[CurvedLimit] = (),
+        origin: Limits | None = None,
     ) -> None:
         values = [
             np.atleast_1d(numbers(value, f"limits: {kind}", ("m",), (), finite=False)).copy()
@@ -53,10 +62,14 @@ class Limits(ByValue):
         ]
         count = len(joints) if joints else max(len(value) for value in values)
         names = tuple(joints) if joints else tuple(f"q{i + 1}" for i in range(count))
+        check_curves(curves, names)
         for kind, value in zip(KINDS, values):
             if value.ndim != 1 or len(value) not in (1, count):
                 raise UsageError(f"limits: {kind} has shape {value.shape} for {count} joints ({', '.join(names)})")
             limit = np.ascontiguousarray(np.broadcast_to(value, count)).copy()
+            for curve in curves:
+                if curve.kind == kind:
+                    limit[names.index(curve.joint)] = curve.least
             for name, figure in zip(names, limit):
                 if not figure > 0.0:
                     raise UsageError(f"limits: {kind} of joint {name} is {figure:g}; give a positive number (or inf)")
@@ -64,6 +77,8 @@ class Limits(ByValue):
             object.__setattr__(self, kind, limit)
         object.__setattr__(self, "joints", names)
         object.__setattr__(self, "rows", tuple(rows))
+        object.__setattr__(self, "curves", tuple(curves))
+        object.__setattr__(self, "origin", origin)
         self._check_rows()
 
     def __len__(self) -> int:
@@ -79,9 +94,41 @@ class Limits(ByValue):
             # factors of each joint are no percents
             if np.ndim(factor) == 0:
                 ask_about_unit(factor, MOST_SCALED, f"limits: factor of {name}", cure)
+        if self.origin is not None:
+            return self.origin.scaled(velocity, acceleration, jerk).over_speed()
+        factors = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+        each = {kind: np.broadcast_to(factor, len(self)) for kind, factor in factors.items()}
+        curves = []
+        for curve in self.curves:
+            j = self.joints.index(curve.joint)
+            curves.append(curve.scaled(float(each["velocity"][j]), float(each[curve.kind][j])))
         return Limits(
-            self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints, self.rows
+            self.velocity * velocity, self.acceleration * acceleration, self.jerk * jerk, self.joints, self.rows, curves
         )
+
+    @property
+    def constants(self) -> Limits:
+        """The limits for who knows constants only: with the least value of each curve."""
+        return self.origin or self
+
+    @property
+    def largest(self) -> Limits:
+        """The limits with the largest value of each curve, which none may exceed at any speed; no rows."""
+        top = self.over_speed()
+        return Limits(top.velocity, top.acceleration, top.jerk, self.joints)
+
+    def over_speed(self) -> Limits:
+        """The limits with the largest value of each curve, and the rest of it as rows; themselves without curves."""
+        if not self.curves:
+            return self
+        largest, rows = {kind: getattr(self, kind).copy() for kind in KINDS}, list(self.rows)
+        for curve in self.curves:
+            j = self.joints.index(curve.joint)
+            largest[curve.kind][j] = curve.largest
+            if curve.largest > curve.least:
+                rows.append(curve.rows(j, float(self.velocity[j])))
+        velocity, acceleration, jerk = largest.values()
+        return Limits(velocity, acceleration, jerk, self.joints, rows, origin=self)
 
     def _check_rows(self) -> None:
         for each in self.rows:
@@ -103,6 +150,11 @@ class Limits(ByValue):
         return np.array([0] * (1 + m) + [1] * m + [2] * m + [rows.order for rows in self.rows])
 
     @property
+    def depend_on_speed(self) -> bool:
+        """Whether some row's limits depend on the speed."""
+        return any(rows.lines is not None for rows in self.rows)
+
+    @property
     def half(self) -> int:
         """How many rows of acceleration a place has in an optimisation problem, and as many of jerk."""
-        return len(self) + max(sum(rows.count for rows in self.rows if rows.order == order) for order in (1, 2))
+        return len(self) + max(sum(rows.width for rows in self.rows if rows.order == order) for order in (1, 2))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,13 +17,15 @@ from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import toml_text
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, refuse_other_unit
 from toolpace.common.value_objects import ByValue, one_line
-from toolpace.machine.file import FILE, MachineFile, read_machine
+from toolpace.machine.dynamics import Dynamics
+from toolpace.machine.dynamics.torques import machine_torques
+from toolpace.machine.file import FILE, MachineFile, WorkpieceFile, read_machine
 from toolpace.machine.file_writer import machine_text, rows, title
 from toolpace.machine.geometry import Geometry, chain_geometry
 from toolpace.machine.inverse import POLE_TOLERANCE, choose_rotary, rotary_between, turn_between
 from toolpace.machine.kinematics import Posed
 from toolpace.machine.limits import KINDS, Limits
-from toolpace.machine.plausibility import ask_about, check_chain, is_usual
+from toolpace.machine.plausibility import ask_about, check_chain, check_mass, is_usual
 from toolpace.machine.unreachable import check_travel
 from toolpace.programs.toolpath import ToolPath
 
@@ -80,6 +83,8 @@ class Machine(ByValue, Posed):
                 [joint.acceleration for joint in values],
                 [joint.jerk for joint in values],
                 geometry.joints,
+                machine_torques(self.file, self.source or self.file.name),
+                curves=[curve for joint in values for curve in joint.curves],
             ),
             "travel": geometry.travel,
             "wrap": geometry.wrap,
@@ -114,7 +119,7 @@ class Machine(ByValue, Posed):
             raise MachineError(
                 f"unknown machine '{which}'; {hint}built-in: {names}; or give the path of a .toml file"
             ) from None
-        return cls.from_toml(text, which)
+        return _built_in(text, which) if path == built_in and cls is Machine else cls.from_toml(text, which)
 
     @classmethod
     def from_toml(cls, text: str, source: str = "machine file") -> Machine:
@@ -155,6 +160,29 @@ class Machine(ByValue, Posed):
             refuse_other_unit(each, FARTHEST_PART, f"machine {self.name}: mounted: origin", METRES)
         return self._with_chain(**vectors)
 
+    @property
+    def dynamics(self) -> Dynamics:
+        """Torques and forces of the joints at a motion, from the masses in its file; all zero where it has none."""
+        return Dynamics.of_machine(self.file)
+
+    def with_workpiece(
+        self, mass: float, centre: Sequence[float], inertia: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> Machine:
+        """The machine with another part [kg] on its table, fixture and all, in place of that of its file.
+
+        `centre` [m] is that of its mass, in the frame of the bed with every joint at zero, `inertia` [kg m^2] about it:
+        xx, yy, zz, and xy, xz, yz where they are not zero. It counts where motors have limits of torque or force.
+        Raises MachineError.
+        """
+        import msgspec
+
+        place = f"machine {self.name}: with_workpiece"
+        middle = numbers(centre, f"{place}: centre", (3,), unit="m").tolist()
+        figures = numbers(inertia, f"{place}: inertia", ("k",), unit="kg m^2").tolist()
+        part = WorkpieceFile(number(mass, f"{place}: mass"), tuple(middle), tuple(figures))
+        check_mass(part, place)
+        return replace(self, file=msgspec.structs.replace(self.file, workpiece=part))
+
     def with_tool(self, length: float) -> Machine:
         """The machine with a tool of another length [m]; itself where the length is nan, or that of its own."""
         length = float(numbers(length, f"machine {self.name}: tool length", (), finite=False, unit="m"))
@@ -176,11 +204,15 @@ class Machine(ByValue, Posed):
             raise UsageError(f"limits of {len(limits)} joints given, machine {self.name} has {len(self.joints)}")
         import msgspec
 
-        values = zip(self.file.joints.items(), limits.velocity, limits.acceleration, limits.jerk)
+        limits = limits.constants
+        values = zip(self.file.joints.items(), limits.joints, limits.velocity, limits.acceleration, limits.jerk)
         joints = {
-            name: msgspec.structs.replace(joint, velocity=float(v), acceleration=float(a), jerk=float(j))
-            for (name, joint), v, a, j in values
-        }
+            name: msgspec.structs.replace(
+                joint, velocity=float(v), acceleration=float(a), jerk=float(j),
+                curves=tuple(replace(curve, joint=name) for curve in limits.curves if curve.joint == named),
+            )
+            for (name, joint), named, v, a, j in values
+        }  # fmt: skip
         for name, joint in joints.items():
             before = self.file.joints[name]
             if all(is_usual(joint.kind, kind, getattr(before, kind)) for kind in KINDS):
@@ -247,6 +279,12 @@ class Machine(ByValue, Posed):
 
     def __repr__(self) -> str:
         return one_line(self, title(self.file, self.kind))
+
+
+@functools.cache
+def _built_in(text: str, name: str) -> Machine:
+    """A built-in machine, which is frozen, made once of the text of its file: that takes longer than many a program."""
+    return Machine.from_toml(text, name)
 
 
 def _exists(path: Path) -> bool:

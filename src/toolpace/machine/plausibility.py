@@ -13,9 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from toolpace.common.errors import MachineError, UnitWarning, printable
 from toolpace.common.units import JOINT_LIMITS
 
+HEAVIEST = 1e6
+"""Most of a mass [kg]."""
 FARTHEST = 1e3
 """Most of a coordinate of a machine [m]: a kilometre is a slip of units."""
 LARGEST = 1e6
@@ -63,6 +67,26 @@ class Chain(Protocol):
 
     @property
     def tool_length(self) -> float: ...
+
+
+class Body(Protocol):
+    """What is looked at of a body."""
+
+    @property
+    def mass(self) -> float: ...
+    @property
+    def centre(self) -> tuple[float, float, float]: ...
+    @property
+    def inertia(self) -> tuple[float, ...]: ...
+
+
+class DrivenJoint(Body, Protocol):
+    """What is looked at of a joint's drive; its torque, force and friction, too."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def balance(self) -> float: ...
 
 
 class Joint(Protocol):
@@ -148,6 +172,46 @@ def check_joint(joint: Joint, place: str, unit: str, scale: float) -> None:
             raise MachineError(
                 f"{place}: travel = {list(joint.travel)} {unit}; give ends within {LARGEST / scale:.3g} {unit}"
             )
+
+
+def check_mass(body: Body, place: str) -> None:
+    """Refuse a mass and an inertia that no body has."""
+    if not 0.0 <= body.mass <= HEAVIEST:
+        raise MachineError(f"{place}: mass = {body.mass:g} kg; give a number from 0 to {HEAVIEST:g}")
+    check_place(body.centre, "centre", place)
+    if not all(abs(figure) <= LARGEST for figure in body.inertia):
+        raise MachineError(f"{place}: inertia = {list(body.inertia)} kg m^2; give finite numbers")
+    check_inertia(body.inertia, place)
+
+
+def check_inertia(inertia: Sequence[float], place: str) -> None:
+    """Refuse the inertia of no body: no principal moment is negative, or above the sum of the others."""
+    if len(inertia) not in (3, 6):
+        raise MachineError(f"{place}: inertia has {len(inertia)} figures; give xx, yy, zz, or xx, yy, zz, xy, xz, yz")
+    xx, yy, zz, xy, xz, yz = (*inertia, 0.0, 0.0, 0.0)[:6]
+    least, middle, most = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])).tolist()
+    if least < -1e-9 * abs(most) or most > (least + middle) * (1.0 + 1e-6):
+        raise MachineError(
+            f"{place}: inertia = {list(inertia)} is that of no body, its principal moments being {least:.4g}, "
+            f"{middle:.4g} and {most:.4g} kg m^2: none may be negative, or above the sum of the others"
+        )
+
+
+def check_body(joint: DrivenJoint, place: str) -> None:
+    """Refuse masses, friction and torques that a joint cannot have."""
+    check_mass(joint, place)
+    for key in ("rotor_inertia", "viscous_friction", "dry_friction"):
+        figure = getattr(joint, key)
+        if not 0.0 <= figure <= LARGEST:
+            raise MachineError(f"{place}: {key} = {figure:g}; give a number of zero or more, in kg, m, rad and N")
+    if not abs(joint.balance) <= LARGEST:
+        raise MachineError(f"{place}: balance = {joint.balance:g}; give a finite torque or force")
+    mine, other, unit = ("force", "torque", "N") if joint.kind == "linear" else ("torque", "force", "N m")
+    if getattr(joint, other) is not None:
+        raise MachineError(f"{place}: {other} is not that of a {joint.kind} joint; write {mine} = ... in {unit}")
+    limit = getattr(joint, mine)
+    if limit is not None and not limit > 0.0:
+        raise MachineError(f"{place}: {mine} = {limit:g} {unit}; give a number above zero, or leave it out")
 
 
 def is_usual(kind: str, key: str, figure: float) -> bool:

@@ -8,7 +8,7 @@ path,
     d3p/dt3 = (p''' z + 1.5 p'' z' + p' z'' / 2) sqrt(z)    a row of jerk
 
 so `Rows.acceleration_of` and `Rows.jerk_of` need p alone. Rows of other physics, as the torques of a chain without
-gravity are, give their coefficients.
+gravity are, give their coefficients. What a drive has to give falls with its speed: `lines` are limits that do.
 """
 
 from __future__ import annotations
@@ -29,14 +29,17 @@ ORDERS = {"acceleration": 2, "jerk": 3}
 STEP = 3e-3
 """How far the joints go for a difference of a quantity [m or rad]. What a difference leaves out grows with its fourth
 power, rounding with its inverse third."""
+NEWTON_STEPS = 30
+"""For the speed at which a row meets a line: from far beyond it each step halves what is left at least."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Rows:
     """`count` rows of one limit along a path: |row| <= limit at any time, for each of them.
 
     Of acceleration: c1 z' + c0 z, with z = (ds/dt)^2. Of jerk: (c2 z'' + c1 z' + c0 z) sqrt(z). Raises UsageError for
-    a limit that is no positive number, and where the function gives something else than it should.
+    a limit that is no positive number, and where the function gives something else than it should. Equal are rows of
+    equal figures and of the same functions.
     """
 
     name: str
@@ -55,7 +58,16 @@ class Rows:
     quantity: Callable[[Floats], npt.ArrayLike] | None = None
     """What it is the acceleration or jerk of, (n, count) of positions (n, joints), where that is so: the judge
     differences it over time."""
-    _lock: Lock = field(default_factory=Lock, init=False)
+    lines: Callable[[Floats], tuple[npt.ArrayLike, npt.ArrayLike]] | None = None
+    """Limits that depend on the speed, and on which side of zero a row is. From the joints as `function` has them to
+    straight lines over ds/dt, (n, count, pieces, 2) of them for values above and as many for values below zero: the
+    height of each at rest, and by how much it falls for each unit of ds/dt. The least of the lines is the limit, in its
+    unit. With an axis more, (n, count, pieces, choices, 2), the largest of its choices stands for each piece: so
+    curves that are not concave are told. Then `limit` is the largest value that counts in a plot or a message. Rows of
+    jerk have the same lines on either side."""
+    pieces: int = 1
+    """How many lines each row has on a side, where limits depend on the speed."""
+    _lock: Lock = field(default_factory=Lock, init=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.kind not in ORDERS:
@@ -65,6 +77,8 @@ class Rows:
         number(self.limit, f"rows {self.name}: limit", least=0.0, above=True)
         if not isinstance(self.count, int) or self.count < 1:
             raise UsageError(f"rows {self.name}: count is {self.count!r}; give a whole number of rows, 1 or more")
+        if not isinstance(self.pieces, int) or self.pieces < 1:
+            raise UsageError(f"rows {self.name}: pieces is {self.pieces!r}; give a whole number of lines, 1 or more")
 
     @classmethod
     def acceleration_of(
@@ -101,6 +115,11 @@ class Rows:
         """1 of acceleration, 2 of jerk: the place of its kind among speed, acceleration and jerk."""
         return ORDERS[self.kind] - 1
 
+    @property
+    def width(self) -> int:
+        """How many rows a place has in an optimisation problem: one a line, above and below zero."""
+        return self.count if self.lines is None else 2 * self.count * self.pieces
+
     def shares(self, q: Floats) -> Floats:
         """(n, count, 3) coefficients of z, z', z'' over the limit, from the joints q (4, n, joints)."""
         with self._lock:
@@ -120,19 +139,95 @@ class Rows:
         out[:, :, :width] = found[:, :, ::-1] / self.limit
         return out
 
-    def ratio(self, q: Floats, state: Floats) -> Floats:
-        """(n,) largest |row| over limit at the joints q (4, n, joints) and states (4, n) of s."""
+    def line_shares(self, q: Floats) -> Floats:
+        """(2, n, count, pieces, choices, 2) height and fall of the lines above and below zero over the limit."""
+        assert self.lines is not None
+        with self._lock:
+            sides = [np.asarray(side, dtype=float) for side in self.lines(q)]
+        sides = [side[:, :, :, None] if side.ndim == 4 else side for side in sides]
+        wanted = (q.shape[1], self.count, self.pieces)
+        for side in sides:
+            if side.ndim != 5 or side.shape[:3] != wanted or side.shape[4] != 2 or side.shape != sides[0].shape:
+                n, count, pieces = wanted
+                raise UsageError(
+                    f"rows {self.name}: lines of shape {side.shape} for {n} places; they must be ({n}, {count}, "
+                    f"{pieces}, 2), or ({n}, {count}, {pieces}, choices, 2)"
+                )
+            if not np.isfinite(side).all():
+                raise UsageError(f"rows {self.name}: lines with {side[~np.isfinite(side)][0]}; give finite numbers")
+        return np.stack(sides) / self.limit
+
+    def limits_at(self, q: Floats, speed: Floats) -> Floats:
+        """(2, n, count) the limits above and below zero at ds/dt (n,), over `limit`."""
+        if self.lines is None:
+            return np.ones((2, q.shape[1], self.count))
+        height, fall = np.moveaxis(self.line_shares(q), 5, 0)
+        least: Floats = (height - fall * speed[:, None, None, None]).max(axis=4).min(axis=3)
+        return least
+
+    def values(self, q: Floats, state: Floats) -> Floats:
+        """(n, count) the rows over `limit` at the joints q (4, n, joints) and states (4, n) of s."""
         v, a, j = state[1][:, None], state[2][:, None], state[3][:, None]
         c0, c1, c2 = np.moveaxis(self.shares(q), 2, 0)
-        value = c0 * v * v + 2.0 * c1 * a if self.order == 1 else c0 * v**3 + 2.0 * c1 * v * a + 2.0 * c2 * j
-        largest: Floats = np.abs(value).max(axis=1)
+        values: Floats = c0 * v * v + 2.0 * c1 * a if self.order == 1 else c0 * v**3 + 2.0 * (c1 * v * a + c2 * j)
+        return values
+
+    def ratio(self, q: Floats, state: Floats) -> Floats:
+        """(n,) largest |row| over its limit at the joints q (4, n, joints) and states (4, n) of s.
+
+        Infinite where a limit that depends on the speed is zero or less.
+        """
+        largest: Floats = self.line_ratios(q, state).min(axis=2).max(axis=1)
         return largest
+
+    def line_ratios(self, q: Floats, state: Floats) -> Floats:
+        """(n, k, choices) the same over each line: of the least of the choices the largest counts. Smooth along a path,
+        where the limit bends, too."""
+        value = self.values(q, state)
+        if self.lines is None:
+            return np.abs(value)[:, :, None]
+        height, fall = np.moveaxis(self.line_shares(q), 5, 0)
+        above, below = height - fall * state[1][:, None, None, None]
+        value = value[:, :, None, None]
+        limit = np.where(value >= 0.0, above, below)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios: Floats = np.where(limit > 0.0, np.abs(value) / limit, np.where(value == 0.0, 0.0, np.inf))
+        return ratios.reshape(len(value), -1, ratios.shape[3])
 
     def steady(self, q: Floats) -> tuple[Floats, Floats]:
         """(n,) the most z at steady speed, and (n,) the most d3s/dt3 at rest; inf where the rows hold nothing."""
-        c0, _, c2 = np.abs(self.shares(q)).max(axis=1).T
+        shares = self.shares(q)
+        if self.lines is not None:
+            third = np.full(q.shape[1], np.inf)
+            if self.order == 2:
+                with np.errstate(divide="ignore"):
+                    at_rest = self.limits_at(q, np.zeros(q.shape[1])).min(axis=0)
+                    third = (0.5 * at_rest / np.abs(shares[:, :, 2])).min(axis=1)
+            return self.most_z(q, np.ones(q.shape[1]), shares[:, :, 0]), third
+        c0, _, c2 = np.abs(shares).max(axis=1).T
         with np.errstate(divide="ignore"):
             return (1.0 / c0) ** (1.0 if self.order == 1 else 2.0 / 3.0), 0.5 / c2
+
+    def most_z(self, q: Floats, speed: Floats, value: Floats) -> Floats:
+        """(n,) by what z may be multiplied at most where its states all scale with it, and the rows are `value`
+        (n, count) over `limit` at ds/dt = speed (n,).
+
+        With x the root of that factor, value x^2, or x^3 of jerk, meets height - fall x.
+        """
+        power = self.order + 1.0
+        side = np.where(value >= 0.0, 0, 1)
+        lines = np.take_along_axis(self.line_shares(q), side[None, :, :, None, None, None], axis=0)[0]
+        height, fall = lines[..., 0], lines[..., 1] * speed[:, None, None, None]
+        size = np.abs(value)[:, :, None, None] + np.zeros_like(height)
+        with np.errstate(all="ignore"):
+            # where a line rises, as with friction that helps to brake, the root is further out
+            x = (height / size) ** (1.0 / power) + (np.maximum(-fall, 0.0) / size) ** (1.0 / (power - 1.0))
+            x = np.where(np.isfinite(x), x, height / np.where(fall > 0.0, fall, 0.0))
+            for _ in range(NEWTON_STEPS):  # convex in x: from beyond the root each step stays beyond it
+                step = (size * x**power + fall * x - height) / (power * size * x ** (power - 1.0) + fall)
+                x = np.where(np.isfinite(step), np.maximum(x - step, 0.0), x)
+        factor: Floats = x.max(axis=3).min(axis=(1, 2)) ** 2
+        return factor
 
 
 def derivatives_along(quantity: Callable[[Floats], npt.ArrayLike], q: Floats, count: int, name: str) -> Floats:

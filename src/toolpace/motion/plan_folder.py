@@ -124,6 +124,10 @@ class PlanFolder(NamedTuple):
     acceleration: dict[str, float]
     jerk: dict[str, float]
     """Peak value over limit, inf where no number bounds it."""
+    motor: dict[str, float]
+    """By the name of the limit, "torque A"."""
+    curves: dict[str, float]
+    """The same of limits that fall with the speed, by name."""
 
 
 def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> PlanFolder:
@@ -152,6 +156,8 @@ def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> Plan
         points = read_set_points(folder, machine)
     try:
         usage, duration = record["usage"], float(record["duration_s"])
+        of_motors = dict(usage.get("motor", {}))
+        motor = {rows.name: float(of_motors[rows.name.partition(" ")[2]]) for rows in machine.limits.rows}
         jerk = {joint: math.inf if value is None else value for joint, value in usage["jerk"].items()}
         if not exact:
             path = recorded_path(points, machine, duration, program_of(folder, machine, record))
@@ -167,6 +173,8 @@ def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> Plan
             dict(usage["velocity"]),
             dict(usage["acceleration"]),
             jerk,
+            motor,
+            dict(usage.get("curves", {})),
         )
     except (KeyError, TypeError, ValueError, AttributeError):
         raise UsageError(f"{folder}: {PLAN} is not that of a plan; plan again, into a new folder") from None

@@ -315,7 +315,7 @@ class Trajectory:
         by_clock = tuple(ClockLaw(np.array([run.s0, *run.breaks, run.s1])) for run in found.path.runs)
         return cls(
             found.path,
-            machine.limits,
+            machine.limits.over_speed(),
             found.laws or by_clock,
             found.planner,
             found.lower_bound,
@@ -323,7 +323,7 @@ class Trajectory:
             mesh_points=found.mesh_points,
             solve_seconds=found.solve_seconds,
             notes=() if exact else (INTERPOLATED,),
-            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk),
+            found_usage=Usage(found.feed, found.velocity, found.acceleration, found.jerk, found.motor | found.curves),
         )
 
     def save(self, path: str | os.PathLike[str], dt: float = 1e-3) -> None:

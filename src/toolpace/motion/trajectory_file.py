@@ -3,9 +3,9 @@
     "toolpace trajectory 2" -- a line of JSON: of each run its law's kind, and how long its arrays are -- the arrays
 
 Each array holds that of all runs, one after the other, as a packed column (packed_numbers.py) behind its length in
-bytes; coefficients of the path's pieces are packed beside them. Set-points are a sampling of this; what it
-tells is the plan itself, at any time. How far the fit found the path off its program is not in it: that is measured,
-not kept.
+bytes; coefficients of the path's pieces are packed beside them. Runs whose speed the cut limits have their profile of
+speed too. Set-points are a sampling of this; what it tells is the plan itself, at any time. How far the fit found the
+path off its program is not in it: that is measured, not kept.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 import msgspec
 import numpy as np
 
-from toolpace.common.arrays import Ints
+from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import UsageError
 from toolpace.common.files import whole_file
 from toolpace.common.files.atomic import read_binary, refuse_other_format
 from toolpace.motion.laws import LinearLaw, QuinticLaw, SplineLaw, TimeLaw
@@ -27,6 +28,7 @@ from toolpace.motion.packed_numbers import DamagedError, bits_of, left_of_spline
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.follow_run import Branch, FollowRun
 from toolpace.path.run import SplineRun
+from toolpace.programs.speed_profile import SpeedProfile
 
 if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
@@ -50,11 +52,12 @@ LAWS: dict[str, tuple[type[TimeLaw], tuple[str, ...]]] = {
 """Kinds of laws, and what each is made of."""
 OF_PATH = ("breaks", "block_start", "feed", "least_time", "block", "entry")
 OF_BRANCH = ("s", "first", "second")
-WHOLE = ("block", "entry")
+OF_PROFILE = ("place", "speed", "limit")
+WHOLE = ("path block", "path entry", "profile limit")
 """Arrays of whole numbers."""
 
 
-class RunHead(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class RunHead(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A run, and how long its arrays are."""
 
     law: str
@@ -64,25 +67,30 @@ class RunHead(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     branch: tuple[int, ...]
     """None where the path tells rotary joints."""
     of_law: tuple[int, ...]
+    profile: tuple[int, ...] = ()
+    """None where the feeds of its blocks alone hold."""
 
 
-class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Head(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """The line of JSON."""
 
     first_dwell: float
     columns: int
     """Of the path: tip and rotary joints (5), or tip and tool axis (6)."""
     runs: tuple[RunHead, ...]
+    limits: tuple[str, ...] = ()
+    """Names of what sets the speed in the profiles."""
 
 
 def is_writable(axis_path: AxisPath, laws: Sequence[TimeLaw]) -> bool:
     """Whether path and laws are those of a planned program, of which all can be written."""
     runs = axis_path.runs
-    if not all(isinstance(run, FollowRun) and isinstance(run.run, SplineRun) and run.profile is None for run in runs):
+    if not all(isinstance(run, FollowRun) and isinstance(run.run, SplineRun) for run in runs):
         return False
     kinds = {kind for kind, _ in LAWS.values()}
     splines = {cast(SplineRun, cast(FollowRun, run).run).coefficients.shape[1:] for run in runs}
-    return len(splines) == 1 and all(type(law) in kinds for law in laws)
+    limits = {profile.names for run in runs if (profile := cast(FollowRun, run).profile) is not None}
+    return len(splines) == 1 and len(limits) < 2 and all(type(law) in kinds for law in laws)
 
 
 def write_trajectory(path: str | os.PathLike[str], axis_path: AxisPath, laws: Sequence[TimeLaw]) -> None:
@@ -98,13 +106,17 @@ def write_trajectory(path: str | os.PathLike[str], axis_path: AxisPath, laws: Se
         of_branch = () if branch is None else (branch.s, *np.ascontiguousarray(branch.rotary.T))
         branch_arrays = {f"branch {name}": values for name, values in zip(OF_BRANCH, of_branch)}
         law_arrays = {f"{kind} {name}": np.array(getattr(law, name)) for name in LAWS[kind][1]}
-        for name, values in (path_arrays | branch_arrays | law_arrays).items():
+        of_profile = () if run.profile is None else OF_PROFILE
+        profile_arrays = {f"profile {name}": getattr(run.profile, name) for name in of_profile}
+        parts = path_arrays, branch_arrays, law_arrays, profile_arrays
+        for name, values in (item for part in parts for item in part.items()):
             arrays.setdefault(name, []).append(values)
-        lengths = [tuple(map(len, each.values())) for each in (path_arrays, branch_arrays, law_arrays)]
+        lengths = [tuple(map(len, part.values())) for part in parts]
         tool_length = None if math.isnan(run.tool_length) else run.tool_length
         heads.append(RunHead(kind, run.dwell, tool_length, *lengths))
     columns = splines[0].coefficients.shape[2]
-    head = Head(axis_path.first_dwell, columns, tuple(heads))
+    limits = next((run.profile.names for run in runs if run.profile is not None), ())
+    head = Head(axis_path.first_dwell, columns, tuple(heads), limits)
     with whole_file(path) as temporary, temporary.open("wb") as stream:
         stream.write(MAGIC + msgspec.json.encode(head) + b"\n")
         for name in _lengths(head):
@@ -130,7 +142,7 @@ def _read(stream: BinaryIO, machine: Machine) -> tuple[AxisPath, tuple[TimeLaw, 
     arrays = {}
     for name, lengths in _lengths(head).items():
         numbers = np.cumsum(_get(stream, sum(lengths)))
-        values = numbers if name.removeprefix("path ") in WHOLE else numbers.view(np.float64)
+        values = numbers if name in WHOLE else numbers.view(np.float64)
         arrays[name] = _parts(values, lengths)
     breaks = list(arrays["path breaks"])
     pieces = [len(each) - 1 for each in breaks]
@@ -151,7 +163,11 @@ def _assembled(
     for run, tool_length, own in zip(head.runs, tool_lengths, machine.with_tools(tool_lengths)):
         of_path = {name: next(arrays[f"path {name}"]) for name in (*OF_PATH, "coefficients")}
         _refuse_disorder(of_path)
-        spline = SplineRun(**of_path, dwell=run.dwell, tool_length=tool_length)
+        profile = None
+        if run.profile:
+            place, speed, limit = (next(arrays[f"profile {name}"]) for name in OF_PROFILE)
+            profile = _profile(place, speed, limit, head.limits)
+        spline = SplineRun(**of_path, dwell=run.dwell, tool_length=tool_length, speed_profile=profile)
         branch = None
         if run.branch:
             s, first, second = (next(arrays[f"branch {name}"]) for name in OF_BRANCH)
@@ -167,6 +183,14 @@ def _assembled(
     return AxisPath(tuple(runs), machine.joints, machine, head.first_dwell), tuple(laws)
 
 
+def _profile(place: Floats, speed: Floats, limit: Ints, names: tuple[str, ...]) -> SpeedProfile:
+    """The profile of speed along a run."""
+    try:
+        return SpeedProfile(place, speed, limit, names)
+    except UsageError as error:
+        raise DamagedError(str(error)) from None
+
+
 def _lengths(head: Head) -> dict[str, list[int]]:
     """Of each array, in the order of the file, how long it is in each run that has it."""
     lengths: dict[str, list[int]] = {}
@@ -174,8 +198,9 @@ def _lengths(head: Head) -> dict[str, list[int]]:
         names = [f"path {name}" for name in OF_PATH]
         names += [f"branch {name}" for name in OF_BRANCH] if run.branch else []
         names += [f"{run.law} {name}" for name in LAWS[run.law][1]]
+        names += [f"profile {name}" for name in OF_PROFILE] if run.profile else []
         _refuse_other_lengths(run)
-        for name, length in zip(names, (*run.path, *run.branch, *run.of_law), strict=True):
+        for name, length in zip(names, (*run.path, *run.branch, *run.of_law, *run.profile), strict=True):
             if not 0 <= length <= MOST_NUMBERS:
                 raise DamagedError
             lengths.setdefault(name, []).append(length)
@@ -187,6 +212,7 @@ def _refuse_other_lengths(run: RunHead) -> None:
     pieces, blocks = run.path[0] - 1, run.path[1] - 1
     right = run.path[2:5] == (blocks, blocks, blocks) and run.path[5] in (0, blocks) and min(pieces, blocks) > 0
     right &= not run.branch or (run.branch[0] > 1 and len(set(run.branch)) == 1)
+    right &= not run.profile or len(set(run.profile)) == 1
     first = run.of_law[0]
     others = {"spline": (first + 2, 2), "linear": (first,), "quintic": (first, first, first - 1)}[run.law]
     if not right or first < 2 or run.of_law[1:] != others:

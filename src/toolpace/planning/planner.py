@@ -106,6 +106,8 @@ def plan(
     check_count(limits, axis_path)
     if rows:
         limits = replace(limits, rows=(*limits.rows, *rows))
+    if chosen.name == PLANNERS[0]:
+        limits = limits.over_speed()
     if limits.rows and chosen.name in PLANNERS[1:]:
         raise UsageError(f"plan: the planner {chosen.name} holds no rows of one's own; plan with 'optimal'")
     runs, last = axis_path.runs, len(axis_path.runs) - 1

@@ -57,6 +57,8 @@ class Multipliers(NamedTuple):
     """(points, 2 h) of the rows of acceleration, then of jerk, above and below."""
     z: Floats
     """(points,)"""
+    limit: Floats | None = None
+    """(points, k) of the rows whose limits depend on the speed: what is left of it where they are held."""
 
 
 def prices(trajectory: Trajectory) -> dict[str, float]:
@@ -118,19 +120,21 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
         if border != end:
             counts[(node == border) & ~problem.inside] = 0.5
     of_caps = (multipliers.cap * problem.cap)[:, None] * cap_growth(run, limits, problem)
-    gains: Floats = counts @ (row_gains(limits, multipliers) + of_caps)
+    gains: Floats = counts @ (row_gains(limits, multipliers, problem) + of_caps)
     return gains
 
 
-def row_gains(limits: Limits, multipliers: Multipliers) -> Floats:
+def row_gains(limits: Limits, multipliers: Multipliers, problem: Problem) -> Floats:
     """(points, k) what the rows of a point gain per relative growth of each limit."""
     m, half, gains = len(limits), limits.half, multipliers.rows.copy()
+    if problem.lines is not None:
+        gains[:, problem.lines.column] *= multipliers.limit
     gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
     columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
     at = {1: m, 2: half + m}
     for rows in limits.rows:
-        columns.append(gains[:, at[rows.order] : at[rows.order] + rows.count].sum(axis=1, keepdims=True))
-        at[rows.order] += rows.count
+        columns.append(gains[:, at[rows.order] : at[rows.order] + rows.width].sum(axis=1, keepdims=True))
+        at[rows.order] += rows.width
     return np.concatenate(columns, axis=1)
 
 
@@ -159,7 +163,7 @@ def state_at(law: SplineLaw, node: int) -> EndState:
 
 def multipliers_near(problem: Problem, c: Floats) -> Multipliers:
     """The multipliers at the optimum of a problem, found from coefficients near it. Raises UsageError where none is."""
-    rests = bool((problem.end == newton.REST).all())
+    problem, rests = problem.about(c), bool((problem.end == newton.REST).all())
     for begin, spread in starts_from(problem, slower(problem, c, LOSS), SPREAD, rests, once=False):
         relief = reliefs(problem, begin)
         if not np.isfinite(relief).all():
@@ -172,7 +176,10 @@ def multipliers_near(problem: Problem, c: Floats) -> Multipliers:
             rows = both.transpose(0, 2, 1).reshape(-1, both.shape[1])[:count]
             near = problem.first[:, None] + np.arange(4)
             z = np.einsum("pj,pj->p", problem.basis[:, 0], found.c[near])
-            return Multipliers(found.dual_cap.reshape(-1)[:count], rows, z)
+            lines, limit = problem.lines, None
+            if lines is not None:
+                limit = lines.limits(lines.speeds(problem.basis, found.c[near]))
+            return Multipliers(found.dual_cap.reshape(-1)[:count], rows, z, limit)
     raise UsageError(
         f"prices: no optimum found from s = {problem.nodes[0]:.9g} to {problem.nodes[-1]:.9g}; plan on another mesh"
     )

@@ -24,15 +24,15 @@ pytest.importorskip("distributed")
 pytestmark = pytest.mark.sweep
 
 MACHINE = "xyzac-trunnion"
-BLOCKS = (900, 1100, 1300, 1500)
-"""Of the programs: some seconds of work each, so that there is a middle of a job."""
+BLOCKS = (400, 500, 600, 700)
+"""Of the programs: a second of work each or two, so that there is a middle of a job."""
 LONG = 240.0
 """Most that a batch may take [s]."""
 
 
 @pytest.fixture(scope="module")
 def parts(tmp_path_factory):
-    """Programs that take some seconds, and one that is refused."""
+    """Programs that take a second or two, and one that is refused."""
     folder = tmp_path_factory.mktemp("faults") / "parts"
     folder.mkdir()
     for blocks in BLOCKS:

@@ -16,7 +16,7 @@ def test_bound_is_never_above_the_best(seed):
 @pytest.mark.parametrize(
     "first",
     [
-        pytest.param(first, marks=pytest.mark.sweep if first < 20_300 else pytest.mark.thorough)
+        pytest.param(first, marks=pytest.mark.sweep if first < 20_100 else pytest.mark.thorough)
         for first in range(20_000, 21_000, 50)
     ],
 )

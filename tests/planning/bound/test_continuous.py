@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 import toolpace as tp
 from testbed.cases import all_cases
@@ -14,7 +15,7 @@ from tests.support.straight_line import line, s_curve
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.bound import continuous
-from toolpace.planning.bound.continuous import continuous_bound, gauss, widest_at_breaks
+from toolpace.planning.bound.continuous import continuous_bound, gauss, spline, widest_at_breaks
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planned_run import EndState
 
@@ -113,6 +114,20 @@ def test_gauss_integrates_polynomials_up_to_each_place(points):
     for power in range(points):
         assert rule @ place**power == pytest.approx(1.0 / (power + 1), rel=1e-12)
         assert up_to @ place**power == pytest.approx(place ** (power + 1) / (power + 1), rel=1e-10)
+
+
+@pytest.mark.parametrize("order", range(3))
+def test_the_spline_in_its_cells_is_that_over_even_knots(order):
+    step, coefficients, place = 2e-3, np.random.default_rng(1).normal(size=(9, 2)), gauss(6)[0]
+    edges = step * np.array([0.0, *(np.arange(10) + 0.5), 10.0])
+    t = (edges[:-1, None] + np.diff(edges)[:, None] * place).ravel()
+    # beyond its ends the coefficients go on in a line
+    extended = coefficients[[0, 0, *range(9), -1, -1]]
+    extended[:2] += np.array([[2.0], [1.0]]) * (coefficients[0] - coefficients[1])
+    extended[-2:] += np.array([[1.0], [2.0]]) * (coefficients[-1] - coefficients[-2])
+    expected = BSpline(step * (np.arange(16) - 2.5), extended, 2).derivative(order)(t)
+    found = spline(coefficients, step, place)(order)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 / step**order)
 
 
 @pytest.mark.parametrize("cell", [0, 1, 4, 8, 9])

@@ -8,6 +8,7 @@ from math import comb
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
+from scipy.spatial import cKDTree
 
 from tests.support.controllers import read_for
 from tests.support.sinumerik import read
@@ -30,8 +31,7 @@ def chord_gap(tips, curve, fine=200_001):
     ends = tips[:, :2]
     # each chord is compared with the stretch of the curve between its ends, the first and the last being the curve's
     assert max(np.linalg.norm(ends[0] - places[0]), np.linalg.norm(ends[-1] - places[-1])) < 1e-6
-    inner = [int(np.argmin(np.linalg.norm(places - end, axis=1))) for end in ends[1:-1]]
-    nearest = [0, *inner, fine - 1]
+    nearest = [0, *cKDTree(places).query(ends[1:-1])[1].tolist(), fine - 1]
     assert nearest == sorted(nearest)
     worst = 0.0
     for (a, b), (i, j) in zip(pairwise(ends), pairwise(nearest)):

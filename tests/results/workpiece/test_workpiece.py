@@ -202,6 +202,7 @@ def test_a_sheet_without_bodies_shows_none(shown):
     assert view_of_plan(shown.trajectory, shown.toolpath, tp.SetUp()) is None
 
 
+@pytest.mark.sweep
 def test_the_browser_shows_stock_and_layers(shown):
     data = embedded(shown.page.read_text(encoding="utf-8"))
     assert len(Arrays(data).numbers(data["workpiece"]["part"])) == 9 * 12

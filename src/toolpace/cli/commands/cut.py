@@ -30,8 +30,8 @@ WORTH = 0.5
 Resolution = Annotated[
     str | None,
     Parameter(
-        help="Size of a cell of the stock: 0.2mm. By default 500 cells along its longest side, or as many as "
-        "--memory has room for."
+        help="Size of a cell of the stock, from 1um to 20mm, such as 0.05mm. By default 500 cells along its longest "
+        "side, or as many as --memory has room for."
     ),
 ]
 Memory = Annotated[str, Parameter(help="Most memory that the stock may take: 500MB, 2GB.")]

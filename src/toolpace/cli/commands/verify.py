@@ -17,7 +17,7 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.judge import Check, Verification, verify_plan
-from toolpace.judge.cut import checks_of_cut
+from toolpace.judge.cut import checks_of_cut, not_judged
 from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances, with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.sampling import Sampling, each_block, grids
@@ -30,6 +30,7 @@ from toolpace.path.follow_run import FollowRun
 from toolpace.path.run import SplineRun
 from toolpace.programs.reading import ReadOptions, Source, read_source
 from toolpace.programs.reading.setup_file import setup_text
+from toolpace.programs.speed_profile import ways_between
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 from toolpace.results import write
@@ -82,9 +83,10 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             found = replace(found, checks=(*found.checks, *own))
         if cut is not None and record.cut_limits is not None and programmed is not None and found.checks[0].ok:
             with steps.step("verifying the cut"):
-                bends = record.bending is not None
-                promise = None if bends else write.promise_of(record.cut_limits, programmed, options.setup, machine)
-                own = tuple(checks_of_cut(setpoints, programmed, promise, cut))
+                own = (not_judged("the tool bends"),)
+                if record.bending is None:
+                    promise = write.promise_of(record.cut_limits, programmed, options.setup, machine)
+                    own = tuple(checks_of_cut(setpoints, programmed, promise, cut))
                 # what the plan says of its verification counts its cut too
                 alike = all(check.ok for check in own) or record.verified is not False
                 others = tuple(check for check in found.checks if alike or check.what != "plan.json verified")
@@ -139,10 +141,14 @@ def other_feed(path: AxisPath, toolpath: ToolPath, *, bends: bool) -> tuple[str,
     """What is said where a path's blocks, feeds or least times are not those of the program, and the block; empty where
     they are.
 
-    Of a tool that bends the path has blocks of its own, slower by what the tip is bent: none may be quicker.
+    Of a tool that bends the path has blocks of its own, slower by what the tip is bent: none may be quicker. A profile
+    of speed must be that of the program; the feed of a way that it limits need only be above it.
     """
-    before = 0
-    lines = toolpath.block[1:]
+    before, lines, profile = 0, toolpath.block[1:], toolpath.speed_profile
+    limited = np.zeros(len(toolpath), dtype=np.bool_)
+    if profile is not None:
+        most = profile.most_of_ways(len(toolpath))
+        limited = np.isfinite(most) & (toolpath.feed == most)
     for run in path.runs:
         spline = cast(SplineRun, cast(FollowRun, run).run)
         entry, block = spline.entry, spline.block
@@ -150,14 +156,18 @@ def other_feed(path: AxisPath, toolpath: ToolPath, *, bends: bool) -> tuple[str,
         if not known.all():
             return "a block that the program has not", int(block[np.argmin(known)])
         if bends:
-            most = {int(line): float(toolpath.feed[1:][lines == line].max()) for line in np.unique(block)}
-            same = spline.feed <= np.array([most[int(line)] for line in block])
+            highest = {int(line): float(toolpath.feed[1:][lines == line].max()) for line in np.unique(block)}
+            same = spline.feed <= np.array([highest[int(line)] for line in block])
         elif entry[0] <= before or (np.diff(entry) <= 0).any() or entry[-1] >= len(toolpath):
             return "its blocks lead to points out of their order", int(block[0])
         else:
-            wanted = (toolpath.block[entry], toolpath.feed[entry], toolpath.least_time[entry])
-            same = np.logical_and.reduce([a == b for a, b in zip((block, spline.feed, spline.least_time), wanted)])
+            feed = np.where(limited[entry], np.minimum(spline.feed, toolpath.feed[entry]), spline.feed)
+            same = (block == toolpath.block[entry]) & (feed == toolpath.feed[entry])
+            same &= spline.least_time == toolpath.least_time[entry]
             before = int(entry[-1])
+            wanted = None if profile is None else profile.along(ways_between(entry), spline.block_start)
+            if spline.speed_profile != wanted:
+                return "not the speeds that the cut of the program allows", int(block[0])
         if not same.all():
             return "not the block, feed and least time of the program", int(block[np.argmin(same)])
     return "", 0

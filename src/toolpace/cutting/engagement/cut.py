@@ -95,7 +95,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
     surface = profile.surface(np.minimum(middles, profile.length))
     beyond = profile.surface(np.minimum(middles + height, profile.length))[0]
     slices = Slices(np.asarray(middles), *surface, beyond, profile.flat_radius, height)
-    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n)]
+    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n, n)]
     found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), *zeros)
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
@@ -127,6 +127,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         width=found.width,
         depth=found.depth,
         penetration=found.penetration,
+        chip_share=found.chip_share,
     )
 
 
@@ -159,10 +160,11 @@ def _poses(profile: ToolProfile, tip: Floats, axis: Floats, cell: float) -> tupl
     ) + profile.radius * np.linalg.norm(turn, axis=1)
     spacing = np.full(len(most), min(cell, math.sqrt(8.0 * profile.radius * RIDGE * cell)))
     if profile.flat_radius > 0.0:
-        # an edge that moves askew to the flat leaves teeth between two poses
-        size = np.linalg.norm(step, axis=1)
-        sine = np.abs(np.einsum("ij,ij->i", step, axis[1:])) / np.where(size > 0.0, size, 1.0)
-        teeth = sine * np.sqrt(np.maximum(1.0 - sine**2, 0.0))
+        # an edge that moves askew to the flat leaves teeth between two poses; so does one that a turning axis moves
+        way = np.einsum("ij,ij->i", step, axis[1:])
+        along = np.abs(way) + profile.flat_radius * np.linalg.norm(turn, axis=1)
+        across = np.linalg.norm(step - way[:, None] * axis[1:], axis=1)
+        teeth = along * across / np.maximum(along**2 + across**2, 1e-30)
         spacing = np.minimum(spacing, np.maximum(0.05 * cell / np.maximum(teeth, 1e-9), cell / FINEST))
     count = np.maximum(np.ceil(most / spacing - 1e-9), 1.0).astype(np.int64)
     station = np.concatenate([[0], np.repeat(np.arange(1, len(tip)), count)])

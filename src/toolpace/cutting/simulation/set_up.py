@@ -9,12 +9,12 @@ import numpy as np
 from toolpace.common.errors import UsageError
 from toolpace.cutting.simulation.simulate import Surroundings, ToolInUse
 from toolpace.cutting.simulation.stock_range import StockRange
-from toolpace.cutting.stock.dexels import DexelStock, resolution_within
+from toolpace.cutting.stock.dexels import DexelStock, check_memory, resolution_within
 from toolpace.cutting.stock.solids import Body, body_of, check_stock_place, guessed_stock
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading.coordinates.setup import SetUp
-from toolpace.programs.stock_figures import Solid, StockFigures
+from toolpace.programs.stock_figures import StockFigures
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
@@ -107,20 +107,33 @@ def stock_body(
     return figures, body
 
 
+def check_before_planning(
+    toolpath: ToolPath, setup: SetUp, machine: Machine, resolution: float | None, memory: float, *, stock: bool
+) -> None:
+    """Raise UsageError for what a sheet lacks for a cut: a plan may take minutes. stock: whether the sheet's is cut."""
+    tools, _ = tools_in_use(toolpath, setup)
+    if stock:
+        body = stock_body(toolpath, setup, machine, tools)[1]
+        if resolution is not None:
+            check_memory(body.triangles(), resolution, memory / 3.0)
+    _bodies_around(setup, machine)
+
+
+def _bodies_around(setup: SetUp, machine: Machine) -> tuple[Body | None, dict[str, Body]]:
+    """The finished part, None where there is none, and the fixtures by name."""
+    workpiece = setup.workpiece
+    part = None if workpiece.finished_part is None else body_of(workpiece.finished_part, machine, setup)
+    return part, {name: body_of(solid, machine, setup) for name, solid in workpiece.fixtures}
+
+
 def surroundings(setup: SetUp, machine: Machine, resolution: float, memory: float) -> Surroundings:
     """What must not be cut."""
-
-    def around(solid: Solid) -> DexelStock:
-        return dexels(body_of(solid, machine, setup), resolution, memory)
-
-    workpiece = setup.workpiece
-    part = workpiece.finished_part
-    fixtures = {name: around(solid) for name, solid in workpiece.fixtures}
+    part, bodies = _bodies_around(setup, machine)
+    fixtures = {name: dexels(body, resolution, memory) for name, body in bodies.items()}
     if part is None:
         return Surroundings(fixtures=fixtures)
-    body = body_of(part, machine, setup)
-    finished = dexels(body, resolution, memory)
-    return Surroundings(finished, workpiece.gouge_tolerance, fixtures, body.triangles())
+    finished = dexels(part, resolution, memory)
+    return Surroundings(finished, setup.workpiece.gouge_tolerance, fixtures, part.triangles())
 
 
 def dexels(body: Body, resolution: float | None, memory: float) -> DexelStock:

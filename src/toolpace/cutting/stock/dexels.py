@@ -13,6 +13,7 @@ import numpy.typing as npt
 from toolpace.common.arrays import Floats, Ints, number, numbers
 from toolpace.common.errors import UsageError
 from toolpace.common.value_objects import one_line
+from toolpace.cutting.stock.mesh_topology import box_triangles
 
 if TYPE_CHECKING:
     from toolpace.cutting.engagement.stations import Stations
@@ -74,7 +75,7 @@ class DexelStock:
         """
         low, high = numbers(low, "stock: low", (3,), unit="m"), numbers(high, "stock: high", (3,), unit="m")
         _refuse_flat(high - low)
-        stock = DexelStock.mesh(_box_triangles(low, high), resolution, memory)
+        stock = DexelStock.mesh(box_triangles(low, high), resolution, memory)
         stock.content = float(np.prod(high - low))
         return stock
 
@@ -325,19 +326,6 @@ def _refuse_flat(sides: Floats) -> None:
         raise UsageError(f"stock: it is {shown} mm; give one with a length, a width and a height above 0")
 
 
-def _box_triangles(low: Floats, high: Floats) -> Floats:
-    """The twelve triangles (12, 3, 3) of a box, counterclockwise seen from outside."""
-    corner, found = np.array([low, high]), []
-    for d in range(3):
-        square = np.empty((2, 4, 3))
-        square[:, :, d] = corner[:, d, None]
-        square[:, :, d - 2] = corner[[0, 1, 1, 0], d - 2]
-        square[:, :, d - 1] = corner[[0, 0, 1, 1], d - 1]
-        square[0] = square[0, ::-1]
-        found += [square[:, [0, 1, 2]], square[:, [0, 2, 3]]]
-    return np.concatenate(found)
-
-
 def _cast(stock: DexelStock, corners: Floats) -> int:
     """Put a mesh (n, 3, 3), in the frame of the rays, into a stock; return how many rays do not leave it as they enter
     it."""
@@ -356,12 +344,18 @@ def _cast(stock: DexelStock, corners: Floats) -> int:
     return wrong
 
 
-def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
-    """Rays without material between two corners."""
-    sides = high - low
+def check_memory(points: Floats, resolution: float, memory: float) -> None:
+    """Raise UsageError where a body with these points (..., 3) [m] takes more memory [bytes] at a resolution [m]."""
+    turned = points @ FRAME.T
+    axes = tuple(range(turned.ndim - 1))
+    _cell_counts(turned.min(axis=axes), turned.max(axis=axes), resolution, memory)
+
+
+def _cell_counts(low: Floats, high: Floats, resolution: float | None, memory: float) -> Ints:
+    """How many cells (3,) there are between two corners (3,) along the rays."""
     cell = resolution_within(low, high, memory) if resolution is None else resolution
     cell = number(cell, "stock: resolution", least=0.0, above=True, unit="m")
-    wanted = np.ceil(sides / cell - 1e-9)
+    wanted = np.ceil((high - low) / cell - 1e-9)
     faces = [float(wanted[(d + 1) % 3] * wanted[(d + 2) % 3]) for d in range(3)]
     if not NODE * (1.0 + SPARE) * sum(faces) <= max(memory, NODE * 64.0):
         coarser = resolution_within(low, high, memory)
@@ -369,8 +363,14 @@ def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -
             f"stock: a resolution of {1e3 * cell:g} mm takes {NODE * (1.0 + SPARE) * sum(faces) / 1e6:.0f} MB, above "
             f"the {memory / 1e6:.0f} MB that it may; give one of {1e3 * coarser:.2g} mm or more, or more memory"
         )
-    count = np.maximum(wanted, 1.0).astype(np.int64)
-    return _rays(low, sides / count, count)
+    counts: Ints = np.maximum(wanted, 1.0).astype(np.int64)
+    return counts
+
+
+def _empty(low: Floats, high: Floats, resolution: float | None, memory: float) -> DexelStock:
+    """Rays without material between two corners."""
+    count = _cell_counts(low, high, resolution, memory)
+    return _rays(low, (high - low) / count, count)
 
 
 def _rays(origin: Floats, step: Floats, count: Ints) -> DexelStock:

@@ -5,12 +5,13 @@ STL is read here. 3MF and OBJ are read by trimesh (extra `mesh`).
 
 from __future__ import annotations
 
+import hashlib
 import io
 import re
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -19,13 +20,15 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files.atomic import reason
 from toolpace.common.units import LENGTHS, MILLIMETRE
-from toolpace.cutting.stock.mesh_topology import joined_vertices, open_edges, outward
+from toolpace.cutting.stock.mesh_topology import joined_vertices, outward
 from toolpace.programs.stock_figures import MESH_SUFFIXES
 
-MOST_TRIANGLES = 2_000_000
+MOST_TRIANGLES = 12_000_000
 """More are refused: their surface is finer than any stock that is cut."""
 MOST_BYTES = 1_000_000_000
 """Of a file, and of what it holds compressed."""
+KEPT = 1_000_000_000
+"""Bytes of meshes that are kept: one command needs its stock before the plan, for the cut and for the page."""
 MESH_UNITS = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "meter": 1.0, "inch": 0.0254, "foot": 0.3048}
 """Units that a 3MF file may tell (3MF Core Specification 1.3, 3.4); trimesh puts an s behind."""
 _HEADER, _FACET = 84, 50
@@ -33,7 +36,12 @@ _HEADER, _FACET = 84, 50
 _PIECE = 10_000_000
 """Bytes of an ASCII STL file that are read at once."""
 _VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+Corners = npt.NDArray[np.floating[Any]]
 _NONE: npt.NDArray[np.float64] = np.zeros((0, 3, 3))
+
+
+_latest: dict[tuple[str, str, bytes], Mesh] = {}
+"""By path, unit and checksum of the contents."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,50 +65,67 @@ def load_mesh(path: Path, unit: str = "") -> Mesh:
     if suffix not in MESH_SUFFIXES:
         raise UsageError(f"mesh {path}: '{suffix[:20]}' is not read; save it as STL, 3MF or OBJ")
     data = _data(path)
-    corners, scale = _stl(data, path) if suffix == ".stl" else _by_trimesh(data, suffix, path)
-    if unit:
-        scale = LENGTHS[unit]
+    key = (str(path), unit, hashlib.blake2b(data).digest())
+    mesh = _latest.get(key)
+    if mesh is None:
+        corners, scale = _stl(data, path) if suffix == ".stl" else _by_trimesh(data, suffix, path)
+        # as large as all that follows
+        del data
+        mesh = _checked(corners, LENGTHS[unit] if unit else scale, path)
+        _keep(key, mesh)
+    return mesh
+
+
+def _checked(corners: Corners, scale: float | None, path: Path) -> Mesh:
+    """The mesh of corners (n, 3, 3) in a unit of so many metres; None: mm is taken."""
     if len(corners) == 0:
         _fail(path, "has no triangles; export the body again")
     if len(corners) > MOST_TRIANGLES:
         _too_many(path, len(corners))
-    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
+    if not np.isfinite(corners).all() or max(corners.max(), -corners.min()) > 1e9:
         _fail(path, "has a corner that is no place (not finite); export it again")
-    triangles, notes = closed_surface(corners * (scale or MILLIMETRE), str(path))
+    triangles, notes = closed_surface(corners, str(path), scale or MILLIMETRE)
+    triangles.setflags(write=False)
     return Mesh(triangles, scale is None, notes)
 
 
-def closed_surface(corners: Floats, name: str = "mesh") -> tuple[Floats, tuple[str, ...]]:
+def _keep(key: tuple[str, str, bytes], mesh: Mesh) -> None:
+    """Have a mesh at hand for the next time that its file is read, in place of older ones."""
+    while _latest and sum(each.triangles.nbytes for each in _latest.values()) + mesh.triangles.nbytes > KEPT:
+        _latest.pop(next(iter(_latest)), None)
+    _latest[key] = mesh
+
+
+def closed_surface(corners: Corners, name: str = "mesh", scale: float = 1.0) -> tuple[Floats, tuple[str, ...]]:
     """Triangles (n, 3, 3) [m] of a closed surface, turned outward, and what was repaired, a sentence each.
 
-    corners: (n, 3, 3) [m], in any order of the corners. `name` is for messages. Raises UsageError where the surface is
-    open, has no volume, or passes through itself inside out.
+    corners: (n, 3, 3), in any order of the corners; times `scale` they are in m. `name` is for messages. Raises
+    UsageError where the surface is open, has no volume, or passes through itself inside out.
     """
     notes = []
-    points, faces, gaps = joined_vertices(corners)
-    if gaps > 0.0:
-        notes.append(f"{name}: corners up to {gaps * 1e3:.2g} mm apart are taken for one")
+    points, faces, gap, edges = joined_vertices(corners, scale)
+    if gap > 0.0:
+        notes.append(f"{name}: corners up to {gap * 1e3:.2g} mm apart are taken for one")
     if len(faces) == 0:
         _fail(name, "has no triangles but such without area; export the body again")
-    if len(edges := open_edges(faces)):
+    if len(edges):
         at = ", ".join(f"{value * 1e3:.6g}" for value in points[edges[0]].mean(axis=0))
         count = f"{len(edges)} edges belong" if len(edges) > 1 else "1 edge belongs"
         _fail(name, f"is open: {count} to an odd number of triangles, the first at {at} mm; close the body")
     turned = outward(points, faces, name)
     notes += turned.notes
-    return points[turned.faces], tuple(notes)
+    return turned.triangles, tuple(notes)
 
 
 def _data(path: Path) -> bytes:
     try:
         with path.open("rb") as stream:
-            data = stream.read(_HEADER)
-            count = int.from_bytes(data[80:], "little")
-            if path.suffix.lower() == ".stl" and count > MOST_TRIANGLES:
-                if stream.seekable() and stream.seek(0, io.SEEK_END) == _HEADER + _FACET * count:
+            if path.suffix.lower() == ".stl" and stream.seekable():
+                count = int.from_bytes(stream.read(_HEADER)[80:], "little")
+                if count > MOST_TRIANGLES and stream.seek(0, io.SEEK_END) == _HEADER + _FACET * count:
                     _too_many(path, count)
-                stream.seek(_HEADER)
-            data += stream.read(MOST_BYTES + 1 - len(data))
+                stream.seek(0)
+            data = stream.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         why = reason(error) if isinstance(error, OSError) else "no such name"
         raise UsageError(f"mesh {path}: cannot be read ({why}); check the path") from None
@@ -117,7 +142,7 @@ def _too_many(path: Path, count: int) -> NoReturn:
     _fail(path, f"has {count} triangles; export it with coarser ones, {MOST_TRIANGLES} are the most")
 
 
-def _stl(data: bytes, path: Path) -> tuple[Floats, None]:
+def _stl(data: bytes, path: Path) -> tuple[Corners, None]:
     """Corners (n, 3, 3) in the file's unit, which STL does not tell."""
     count = int.from_bytes(data[80:_HEADER], "little") if len(data) >= _HEADER else 0
     whole = len(data) == _HEADER + _FACET * count and len(data) >= _HEADER
@@ -134,7 +159,7 @@ def _stl(data: bytes, path: Path) -> tuple[Floats, None]:
     if count > MOST_TRIANGLES:
         _too_many(path, count)
     layout = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    return np.frombuffer(data, layout, count, _HEADER)["corners"].astype(np.float64), None
+    return np.frombuffer(data, layout, count, _HEADER)["corners"].copy(), None
 
 
 def _ascii_stl(data: bytes, path: Path) -> Floats:

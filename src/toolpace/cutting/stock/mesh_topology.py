@@ -9,8 +9,10 @@ itself inside out, or a body in it is turned inward, and nobody can tell what is
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError
@@ -25,24 +27,38 @@ MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], 
 """Odd numbers of 64 bits that spread the bits of what they are multiplied by (those of xxHash)."""
 FOLD = np.uint64(29)
 """Bits that are zero where a coordinate was of 32 bits in the file."""
+PIECE = 1_000_000
+"""Of corners and triangles that are worked out at once: a large mesh leaves little room for what comes between."""
 PAIRS = 4_000_000
 """Of rays and triangles that are worked out at once."""
 
 
-def joined_vertices(corners: Floats) -> tuple[Floats, Ints, float]:
-    """Vertices (m, 3), faces (n, 3) of those triangles that have three different ones, and how far joined ones were
-    apart: 0 where equal ones are enough for a closed surface.
+class Joined(NamedTuple):
+    """Triangles that share their vertices."""
 
-    corners: (k, 3, 3).
-    """
+    points: Floats
+    """(m, 3)"""
+    faces: Ints
+    """(n, 3) those that have three different vertices."""
+    gap: float
+    """How far joined vertices were apart; 0 where equal ones are enough for a closed surface."""
+    open: Ints
+    """(k, 2) ends of the edges that belong to an odd number of faces."""
+
+
+def joined_vertices(corners: npt.NDArray[np.floating[Any]], scale: float = 1.0) -> Joined:
+    """Triangles (k, 3, 3) by the vertices that they share, times `scale`."""
     points, faces = _joined(corners)
-    if not len(open_edges(faces)):
-        return points, faces, 0.0
-    size = float((corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))).max())
-    if not size > 0.0:
-        return points, faces, 0.0
+    points *= scale
+    still_open = open_edges(faces)
+    size = float((points.max(axis=0) - points.min(axis=0)).max())
+    if not len(still_open) or not size > 0.0:
+        return Joined(points, faces, 0.0, still_open)
     coarse, joined = _near_ones_joined(points, faces, JOIN * size)
-    return (coarse, joined, JOIN * size) if len(joined) and not len(open_edges(joined)) else (points, faces, 0.0)
+    left = open_edges(joined)
+    if len(joined) and not len(left):
+        return Joined(coarse, joined, JOIN * size, left)
+    return Joined(points, faces, 0.0, still_open)
 
 
 def _near_ones_joined(points: Floats, faces: Ints, distance: float) -> tuple[Floats, Ints]:
@@ -58,44 +74,82 @@ def _near_ones_joined(points: Floats, faces: Ints, distance: float) -> tuple[Flo
     return points[first], _with_three(label.astype(np.int64)[faces])
 
 
-def _joined(corners: Floats) -> tuple[Floats, Ints]:
+def _joined(corners: npt.NDArray[np.floating[Any]]) -> tuple[Floats, Ints]:
     """Vertices and faces; corners (k, 3, 3) that are equal are one vertex."""
-    flat = np.ascontiguousarray(corners.reshape(-1, 3) + 0.0)
+    flat = corners.reshape(-1, 3)
     # numbers of 64 bits are sorted in a fraction of the time of rows; two rows hardly ever have one number
-    bits = flat.view(np.uint64)
-    number = np.bitwise_xor.reduce((bits ^ (bits >> FOLD)) * MIXERS, axis=1)
-    _, first, inverse = np.unique(number, return_index=True, return_inverse=True)
-    if (flat[first[inverse]] != flat).any():
-        _, first, inverse = np.unique(flat.view("V24").ravel(), return_index=True, return_inverse=True)
-    return flat[first], _with_three(inverse.reshape(-1, 3).astype(np.int64))
+    number = np.zeros(len(flat), dtype=np.uint64)
+    for begin in range(0, len(flat), PIECE):
+        # minus zero is zero
+        for k in range(3):
+            bits = (flat[begin : begin + PIECE, k] + 0.0).astype(np.float64).view(np.uint64)
+            number[begin : begin + PIECE] ^= (bits ^ (bits >> FOLD)) * MIXERS[k]
+    first, inverse = _alike(number)
+    points = np.asarray(flat[first] + 0.0, dtype=np.float64)
+    for begin in range(0, len(flat), PIECE):
+        if (points[inverse[begin : begin + PIECE]] != flat[begin : begin + PIECE]).any():
+            exact = np.ascontiguousarray(flat + 0.0, dtype=np.float64)
+            _, first, inverse = np.unique(exact.view("V24").ravel(), return_index=True, return_inverse=True)
+            points = exact[first]
+            break
+    return points, _with_three(inverse.reshape(-1, 3))
+
+
+def _alike(number: npt.NDArray[np.uint64]) -> tuple[Ints, Ints]:
+    """One of each of the different numbers (k,), and for every number (n,) which of the k it is: as np.unique, by a
+    sort that is not stable, in a third of its time."""
+    order = np.argsort(number)
+    ordered = number[order]
+    fresh = np.concatenate([[True], ordered[1:] != ordered[:-1]]) if len(number) else np.zeros(0, dtype=np.bool_)
+    inverse = np.empty(len(number), dtype=np.int64)
+    inverse[order] = np.cumsum(fresh) - 1
+    return order[fresh], inverse
 
 
 def _with_three(faces: Ints) -> Ints:
     """Those faces (n, 3) that have three different vertices."""
-    different: Bools = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    return faces[different]
+    a, b, c = faces.T
+    different: Bools = (a != b) & (b != c) & (c != a)
+    return faces if different.all() else faces[different]
 
 
-def _edges(faces: Ints) -> tuple[Ints, Ints]:
-    """Edges of faces (n, 3): both ends (3 n, 2) in the order of the face, and a number for each pair of ends."""
-    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    return ends, low * (int(high.max(initial=0)) + 1) + high
+def _edges(faces: Ints) -> Ints:
+    """(3 n,) a number for each edge of faces (n, 3), even where it goes from its lower to its higher vertex: half of it
+    is that of its two ends, in either direction. Edge k of face i is number k n + i."""
+    count = int(faces.max(initial=0)) + 1
+    number = np.empty((3, len(faces)), dtype=np.int64)
+    for k in range(3):
+        start, end = faces[:, k], faces[:, (k + 1) % 3]
+        number[k] = 2 * (np.minimum(start, end) * count + np.maximum(start, end)) + (start > end)
+    return number.ravel()
+
+
+def _even_and_alike(faces: Ints) -> tuple[bool, bool]:
+    """Whether each edge of faces (n, 3) belongs to an even number of them, and is passed as often in one direction as
+    in the other."""
+    number = np.sort(_edges(faces))
+    edge = number >> 1
+    heads = np.flatnonzero(np.diff(edge, prepend=-1))
+    if (np.diff(np.append(heads, len(edge))) % 2).any():
+        return False, False
+    sign = 1 - 2 * (number & 1).astype(np.int8)
+    return True, not np.add.reduceat(sign, heads, dtype=np.int64).any() if len(heads) else True
 
 
 def open_edges(faces: Ints) -> Ints:
     """Ends (k, 2) of the edges that belong to an odd number of faces (n, 3)."""
-    ends, number = _edges(faces)
-    _, first, count = np.unique(number, return_index=True, return_counts=True)
-    odd: Ints = ends[first[count % 2 == 1]]
-    return odd
+    if _even_and_alike(faces)[0]:
+        return np.zeros((0, 2), dtype=np.int64)
+    _, first, count = np.unique(_edges(faces) >> 1, return_index=True, return_counts=True)
+    corner, face = np.divmod(first[count % 2 == 1], len(faces))
+    return np.stack([faces[face, corner], faces[face, (corner + 1) % 3]], axis=1)
 
 
 @dataclass(frozen=True)
 class Outward:
-    """Faces (n, 3) turned outward, and what was done for it."""
+    """Triangles (n, 3, 3) turned outward, and what was done for it."""
 
-    faces: Ints
+    triangles: Floats
     notes: list[str]
 
 
@@ -103,7 +157,7 @@ def outward(points: Floats, faces: Ints, name: str) -> Outward:
     """Turn the faces of a closed surface outward. Raises UsageError where it cannot be told what is inside."""
     notes = []
     turned = _turned_alike(faces, name)
-    if (turned != faces).any():
+    if turned is not faces:
         notes.append(f"{name}: triangles that were turned against their neighbours are turned back")
     volume = signed_volume(points, turned)
     size = float((points.max(axis=0) - points.min(axis=0)).max())
@@ -112,7 +166,8 @@ def outward(points: Floats, faces: Ints, name: str) -> Outward:
     if volume < 0.0:
         turned = turned[:, ::-1]
         notes.append(f"{name}: was turned inside out, and is turned back")
-    overlap, inside_out = crossed(points[turned])
+    triangles = points[turned]
+    overlap, inside_out = crossed(triangles)
     if inside_out is not None:
         at = ", ".join(f"{value * 1e3:.6g}" for value in inside_out)
         raise UsageError(
@@ -120,24 +175,26 @@ def outward(points: Floats, faces: Ints, name: str) -> Outward:
         )
     if overlap:
         notes.append(f"{name}: has parts that overlap, and is taken as their union")
-    return Outward(turned, notes)
+    return Outward(triangles, notes)
 
 
 def signed_volume(points: Floats, faces: Ints) -> float:
     """Of a closed surface whose faces are turned alike: above zero where they are turned outward."""
-    a, b, c = (points[faces[:, k]] - points[faces[0, 0]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    total = 0.0
+    for begin in range(0, len(faces), PIECE):
+        a, b, c = (points[faces[begin : begin + PIECE, k]] - points[faces[0, 0]] for k in range(3))
+        total += float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    return total
 
 
 def _turned_alike(faces: Ints, name: str) -> Ints:
     """The faces, turned so that each edge is passed as often in one direction as in the other."""
-    ends, number = _edges(faces)
-    sign = np.where(ends[:, 0] < ends[:, 1], 1, -1)
-    order = np.argsort(number, kind="stable")
-    heads = np.flatnonzero(np.diff(number[order], prepend=-1))
-    if not np.add.reduceat(sign[order], heads).any():
+    if _even_and_alike(faces)[1]:
         return faces
-    flip = _flips(len(faces), order, heads, sign)
+    number = _edges(faces)
+    order = np.argsort(number >> 1, kind="stable")
+    heads = np.flatnonzero(np.diff(number[order] >> 1, prepend=-1))
+    flip = _flips(len(faces), order, heads, 1 - 2 * (number & 1))
     if flip is None:
         raise UsageError(
             f"{name}: its triangles are turned against each other, and cannot all be turned alike; export it again"
@@ -179,7 +236,9 @@ def crossed(triangles: Floats) -> tuple[bool, Floats | None]:
     thin = THINNEST * float((high - low).max())
     overlap = False
     for d in range(3):
-        ray, along, way = _hits(triangles, d, low, high)
+        pieces = range(0, len(triangles), PIECE)
+        hits = [_hits(triangles[begin : begin + PIECE], d, low, high) for begin in pieces]
+        ray, along, way = (np.concatenate(each) for each in zip(*hits))
         order = np.lexsort((-way, np.round(along / thin), ray))
         ray, along, depth = ray[order], along[order], np.cumsum(way[order])
         thick = (ray[1:] == ray[:-1]) & (np.diff(along) > thin)
@@ -204,9 +263,11 @@ def _hits(triangles: Floats, d: int, low: Floats, high: Floats) -> tuple[Ints, F
     """Where rays along d pass triangles: number of the ray, place along it, and 1 where it enters, else -1."""
     across = [(d + 1) % 3, (d + 2) % 3]
     places = _ray_places(low[across], high[across])
-    flat = triangles[:, :, across]
-    first = np.stack([np.searchsorted(places[k], flat[:, :, k].min(axis=1)) for k in range(2)], axis=1)
-    last = np.stack([np.searchsorted(places[k], flat[:, :, k].max(axis=1), side="right") for k in range(2)], axis=1)
+    first, last = np.empty((len(triangles), 2), np.int64), np.empty((len(triangles), 2), np.int64)
+    for k, axis in enumerate(across):
+        a, b, c = triangles[:, :, axis].T
+        first[:, k] = np.searchsorted(places[k], np.minimum(np.minimum(a, b), c))
+        last[:, k] = np.searchsorted(places[k], np.maximum(np.maximum(a, b), c), side="right")
     size = np.maximum(last - first, 0)
     pairs = size[:, 0] * size[:, 1]
     met = np.flatnonzero(pairs)
@@ -250,3 +311,11 @@ def _beside(start: Floats, end: Floats, at: Floats) -> tuple[Bools, Floats]:
     low, high = np.where(up[:, None], start, end), np.where(up[:, None], end, start)
     area = (high[:, 0] - low[:, 0]) * (at[:, 1] - low[:, 1]) - (high[:, 1] - low[:, 1]) * (at[:, 0] - low[:, 0])
     return np.where(up, area >= 0.0, area < 0.0), np.where(up, area, -area)
+
+
+def box_triangles(low: Floats, high: Floats) -> Floats:
+    """(12, 3, 3) of the box between two corners (3,), counterclockwise seen from outside."""
+    corners = np.array([[(low, high)[k >> d & 1][d] for d in range(3)] for k in range(8)])
+    quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+    triangles: Floats = corners[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])]
+    return triangles

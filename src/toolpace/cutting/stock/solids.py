@@ -13,6 +13,7 @@ from toolpace.common.arrays import Bools, Floats
 from toolpace.common.errors import UnitWarning, UsageError
 from toolpace.common.units import LENGTHS, MILLIMETRE
 from toolpace.cutting.stock.mesh_file import load_mesh
+from toolpace.cutting.stock.mesh_topology import box_triangles
 from toolpace.programs.reading.coordinates.kinematics import Kinematics
 from toolpace.programs.reading.coordinates.setup import SetUp
 from toolpace.programs.reading.coordinates.work_coordinates import placement_of_offset
@@ -73,7 +74,7 @@ class Body:
         """(n, 3, 3) corners of triangles, counterclockwise seen from outside [m]; a cylinder has 256 facets, whose
         corners are on it."""
         if self.box is not None:
-            return _box_triangles(*self.box)
+            return box_triangles(*self.box)
         return _cylinder_triangles(*self.cylinder) if self.cylinder is not None else self.mesh  # type: ignore[return-value]
 
 
@@ -100,7 +101,7 @@ def body_of(solid: Solid, machine: Kinematics | None, setup: SetUp) -> Body:
     if (np.minimum(turn, np.abs(1.0 - turn)) < SQUARE).all():
         corners = _moved(np.array([low, high]), matrix)
         return Body(box=(corners.min(axis=0), corners.max(axis=0)))
-    return Body(mesh=_moved(_box_triangles(low, high), matrix))
+    return Body(mesh=_moved(box_triangles(low, high), matrix))
 
 
 def _moved(points: Floats, matrix: Floats) -> Floats:
@@ -110,14 +111,6 @@ def _moved(points: Floats, matrix: Floats) -> Floats:
         return points
     moved: Floats = np.ascontiguousarray(points @ matrix[:3, :3].T + matrix[:3, 3])
     return moved
-
-
-def _box_triangles(low: Floats, high: Floats) -> Floats:
-    """(12, 3, 3) of the box between two corners (3,)."""
-    corners = np.array([[(low, high)[k >> d & 1][d] for d in range(3)] for k in range(8)])
-    quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
-    triangles: Floats = corners[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])]
-    return triangles
 
 
 def _cylinder_triangles(lower: Floats, upper: Floats, diameter: float) -> Floats:

@@ -180,7 +180,7 @@ def followed_joints_of(source: Machine | Limits, joints: tuple[str, ...]) -> Fol
         )
     if len(joints) > JOINTS:
         raise UsageError(f"follower: the trajectory moves {len(joints)} joints; at most {JOINTS} can be followed")
-    limits = source if isinstance(source, Limits) else source.limits
+    limits = source.constants if isinstance(source, Limits) else source.limits
     for kind in KINDS[1:]:
         for joint, limit in zip(joints, getattr(limits, kind)):
             if not np.isfinite(limit):

@@ -9,65 +9,29 @@ normal. Ends of arcs are bisected.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.programs.tool_figures import ToolFigures
+from toolpace.judge.cut.shapes import Shape
+from toolpace.judge.cut.stocks import Stock
 
-ANGLES = 180
+TURN = 2.0 * math.pi
+ANGLES = 120
 """Angles about the axis at which the surface is looked at first."""
-BISECTIONS = 12
+BISECTIONS = 13
 """Of an end of an arc: to a twentieth of a hundredth of a degree."""
-HEIGHTS, COARSE_ANGLES, FINER = 100, 48, 10
-"""At which it is looked for how far up the tool is in material."""
-POSES = 256
-"""Earlier poses that are looked at in one piece."""
+BANDS, BANDS_OF_PIECE, BANDS_OF_FLAT = 32, 4, 8
+"""Of the surface that may be in material, at least: in all, of a piece of the meridian, and of the flat of the end."""
+LENGTHS, COARSE_ANGLES = 64, 48
+"""At which it is looked for how far up the tool is in material; lengths are closer to each other near the end."""
 GAP = 1e-9
 """Closer to an earlier tool than that is within it [m]."""
-
-Stock = Callable[[Floats], Bools]
-"""Tells which points (k, 3) are within the stock."""
-
-
-@dataclass(frozen=True)
-class Shape:
-    """The cutting part of a tool in heights above its tip, in closed form."""
-
-    radius: Callable[[Floats], Floats]
-    """(n,) at heights (n,) [m]."""
-    reach: float
-    """How far up its edge goes [m]."""
-    widest: float
-    """[m]"""
-
-    def normal(self, height: Floats) -> tuple[Floats, Floats]:
-        """Of the surface at heights (n,): its part across the axis and its part along it."""
-        step = 1e-6 * self.widest
-        low, high = np.maximum(height - step, 0.0), np.minimum(height + step, self.reach)
-        slope = (self.radius(high) - self.radius(low)) / (high - low)
-        length = np.hypot(1.0, slope)
-        return 1.0 / length, -slope / length
-
-
-def shape_of(tool: ToolFigures) -> Shape | None:
-    """The shape of a tool; None of a kind that is not judged."""
-    half, corner = 0.5 * tool.diameter, 0.5 * tool.diameter if tool.kind == "ball" else tool.corner_radius
-    reach = tool.flute_length or tool.stick_out or 10.0 * tool.diameter
-    cone = tool.taper if tool.kind == "taper" else 0.0
-    if tool.kind not in ("flat", "bull", "ball", "face", "taper") or (tool.kind != "taper" and tool.taper > 0.0):
-        return None
-    begin, low = corner * (1.0 - math.sin(cone)), half - corner * (1.0 - math.cos(cone))
-
-    def radius(height: Floats) -> Floats:
-        within = np.clip(corner - height, 0.0, corner)
-        on_corner = half - corner + np.sqrt(np.maximum(corner**2 - within**2, 0.0))
-        found: Floats = np.where(height < begin, on_corner, low + (height - begin) * math.tan(cone))
-        return found
-
-    return Shape(radius, reach, half + reach * math.tan(cone))
+SLIDES = 1e-3
+"""Share of the motion: where the surface moves outwards by less at any angle, it slides."""
+POSES, BLOCK = 256, 256
+"""Earlier poses that points are compared with in one piece; poses of the motion that one box is about."""
 
 
 @dataclass(frozen=True)
@@ -81,120 +45,188 @@ class Poses:
     tool: Ints
     """(n,) index of the shape; -1 where it has none."""
 
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Least and most tip (blocks, 3) of each BLOCK of them, whatever the tool."""
+        first = np.arange(0, len(self.tip), BLOCK)
+        return np.minimum.reduceat(self.tip, first), np.maximum.reduceat(self.tip, first)
+
 
 @dataclass(frozen=True)
 class Section:
-    """What of the tool is in material at one instant."""
+    """What of the tool is in material at one instant, in bands of its surface."""
 
-    height: Floats
-    """(k,) middle of each slice [m]."""
-    slice_height: float
+    edges: Floats
+    """(bands, 2) lengths of the meridian at both ends of each [m]."""
     arcs: tuple[tuple[int, float, float], ...]
-    """Slice, entry and exit [rad]: from the normal on the left of the feed, clockwise seen from the spindle."""
+    """Band, entry and exit [rad]: from the normal on the left of the feed, clockwise seen from the spindle."""
 
-    @property
-    def immersion(self) -> Floats:
-        """(k,) angle in material of each slice [rad]."""
-        found = np.zeros(len(self.height))
-        for j, entry, leave in self.arcs:
-            found[j] += leave - entry
+
+class ToolMotion:
+    """A tool at one instant: its tip moves with a velocity (3,) [m/s], its axis turns with an angular velocity (3,)
+    [rad/s]. Angles are about the axis, from the left of the feed, clockwise seen from the spindle."""
+
+    def __init__(self, shape: Shape, tip: Floats, axis: Floats, velocity: Floats, turning: Floats) -> None:
+        self.shape, self.tip, self.axis, self.velocity, self.turning = shape, tip, axis, velocity, turning
+        self.along = float(velocity @ axis)
+        self.swing = np.cross(turning, axis)
+        self.feed, self.left = across(velocity, axis)
+        self.speed = float(np.linalg.norm(velocity)) + shape.reach * float(np.linalg.norm(self.swing))
+
+    def times(self, factor: float) -> ToolMotion:
+        """The same, so many times as fast."""
+        return ToolMotion(self.shape, self.tip, self.axis, factor * self.velocity, factor * self.turning)
+
+    def direction(self, angle: Floats) -> Floats:
+        """(n, 3) across the axis at angles (n,)."""
+        return np.cos(angle)[:, None] * self.left + np.sin(angle)[:, None] * self.feed
+
+    def place(self, length: Floats, angle: Floats) -> Floats:
+        """(n, 3) of the surface at lengths of the meridian and angles (n,) [m]."""
+        radius, height, _ = self.shape.at(length)
+        found: Floats = self.tip + height[:, None] * self.axis + radius[:, None] * self.direction(angle)
         return found
+
+    def outwards(self, length: Floats, angle: Floats) -> Floats:
+        """(n,) how fast the surface moves along its normal there [m/s]; 0 where it slides at all angles."""
+        radius, height, kappa = self.shape.at(length)
+        sine, cosine = np.sin(kappa)[:, None], np.cos(kappa)
+        lever = height * sine[:, 0] + radius * cosine
+        sideways = sine * (self.velocity - self.along * self.axis) + lever[:, None] * self.swing
+        moves = np.einsum("nc,nc->n", sideways, self.direction(angle)) - cosine * self.along
+        most = np.linalg.norm(sideways, axis=1) - cosine * self.along
+        return np.where(most > SLIDES * self.speed, moves, 0.0)
 
 
 class Surface:
-    """The surface of the tool at pose k, which moves with a velocity (3,) [m/s] while its axis turns with an angular
-    velocity (3,) [rad/s], among what all poses before it have left of the stock."""
+    """The surface of the tool at pose k of a motion, among what all poses before it have left of the stock."""
 
-    def __init__(
-        self, k: int, poses: Poses, shapes: tuple[Shape, ...], stock: Stock, velocity: Floats, turning: Floats
-    ) -> None:
-        self.shape, self.tip, self.axis = shapes[poses.tool[k]], poses.tip[k], poses.axis[k]
-        self.poses, self.shapes, self.stock = poses, shapes, stock
-        self.velocity, self.turning = velocity, turning
-        self.feed, self.left = across(velocity, self.axis)
-        self.before = near(k, poses, shapes)
+    def __init__(self, motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...], stock: Stock) -> None:
+        self.motion, self.shape = motion, motion.shape
+        self.poses, self.shapes, self.stock, self.k = poses, shapes, stock, k
+        self.before = near(motion, k, poses, shapes)
 
-    def in_material(self, height: Floats, angle: Floats) -> Bools:
-        """(n,) whether it moves into material at heights (n,) [m] and angles (n,) [rad]."""
-        sine, cosine = self.shape.normal(height)
-        direction = np.cos(angle)[:, None] * self.left + np.sin(angle)[:, None] * self.feed
-        place = self.tip + height[:, None] * self.axis + self.shape.radius(height)[:, None] * direction
-        moves = self.velocity + np.cross(self.turning, place - self.tip)
-        found: Bools = np.einsum("kc,kc->k", moves, sine[:, None] * direction + cosine[:, None] * self.axis) > 0.0
-        found[found] = self.stock(place[found])
-        found[found] = ~reached(place[found], self.before, self.poses, self.shapes)
+    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0) -> Bools:
+        """(n,) whether it moves into material at lengths (n,) of the meridian [m] and angles (n,) [rad]; into that of a
+        stock which is larger by a margin [m]."""
+        found: Bools = self.motion.outwards(length, angle) > 0.0
+        place = self.motion.place(length[found], angle[found])
+        found[found] = self.stock(place, margin)
+        found[found] = ~reached(self.motion.place(length[found], angle[found]), self.before, self.poses, self.shapes)
         return found
 
     def top(self) -> float:
-        """How far up it is in material [m], to a thousandth of its edge; 0 where it is nowhere."""
-        step, turn = self.shape.reach / HEIGHTS, 2.0 * math.pi / COARSE_ANGLES
-        height = np.repeat((np.arange(HEIGHTS) + 0.5) * step, COARSE_ANGLES)
-        angle = np.tile((np.arange(COARSE_ANGLES) + 0.5) * turn, HEIGHTS)
-        within = np.flatnonzero(self.in_material(height, angle))
-        if not len(within):
-            return 0.0
-        low = float(height[within[-1]])
-        finer = np.linspace(low, low + step, FINER + 1)
-        height, angle = np.repeat(finer, ANGLES), np.tile((np.arange(ANGLES) + 0.5) * 2.0 * math.pi / ANGLES, FINER + 1)
-        within = np.flatnonzero(self.in_material(np.minimum(height, self.shape.reach), angle))
-        return float(height[within[-1]]) if len(within) else low
+        """The meridian's length up to which it is in material [m]; 0 where it is nowhere."""
+        flat = self.shape.flat
+        side = flat + (self.shape.length - flat) * (np.arange(1, LENGTHS + 1) / LENGTHS) ** 2
+        end = flat * (np.arange(BANDS_OF_FLAT) + 0.5) / BANDS_OF_FLAT if flat > 0.0 else np.zeros(0)
+        low, high, lengths = 0.0, self.shape.length, np.concatenate([end, side])
+        for _ in range(3):
+            within = np.flatnonzero(self._anywhere(lengths))
+            if len(within):
+                low = float(lengths[within[-1]])
+            elif low == 0.0:
+                return 0.0
+            beyond = lengths[lengths > low]
+            high = float(beyond[0]) if len(beyond) else high
+            lengths = np.linspace(low, high, 12)[1:-1]
+        return 0.5 * (low + high)
 
-    def section(self, heights: Floats) -> Section:
-        """The arcs at the middles of slices `heights` (m,) [m]."""
-        count, step = len(heights), 2.0 * math.pi / ANGLES
-        angle = np.tile((np.arange(ANGLES) + 0.5) * step, count)
-        inside = self.in_material(np.repeat(heights, ANGLES), angle).reshape(count, ANGLES)
+    def _anywhere(self, lengths: Floats) -> Bools:
+        """(m,) whether it is in material at any angle, at lengths (m,)."""
+        angle = (np.arange(COARSE_ANGLES) + 0.5) * TURN / COARSE_ANGLES
+        found = self.in_material(np.repeat(lengths, COARSE_ANGLES), np.tile(angle, len(lengths)))
+        return np.asarray(found.reshape(-1, COARSE_ANGLES).any(axis=1))
+
+    def section(self) -> Section:
+        """Its arcs, by bands up to where it is in material."""
+        edges = bands_of(self.shape, self.top())
+        return Section(edges, self.arcs(edges.mean(axis=1)))
+
+    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0) -> Bools:
+        """(m, count) whether it is in material at lengths (m,), at so many angles from 0 on; see `in_material`."""
+        angle = (np.arange(count) + 0.5) * TURN / count
+        found = self.in_material(np.repeat(lengths, count), np.tile(angle, len(lengths)), margin)
+        return found.reshape(len(lengths), count)
+
+    def arcs(self, lengths: Floats) -> tuple[tuple[int, float, float], ...]:
+        """Those at lengths (m,): which, entry and exit [rad]."""
+        count, step = len(lengths), TURN / ANGLES
+        inside = self.seen_at(lengths, ANGLES)
         row, column = np.nonzero(inside != np.roll(inside, 1, axis=1))
         high, enters = (column + 0.5) * step, inside[row, column]
         low = high - step
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            same = self.in_material(heights[row], middle) == enters
+            same = self.in_material(lengths[row], middle) == enters
             high, low = np.where(same, middle, high), np.where(same, low, middle)
-        edge, turn = 0.5 * (low + high), 2.0 * math.pi
-        arcs = [(j, 0.0, turn) for j in range(count) if inside[j].all()]
+        edge = 0.5 * (low + high)
+        arcs = [(j, 0.0, TURN) for j in range(count) if inside[j].all()]
         for j in range(count):
             entries, exits = edge[(row == j) & enters], edge[(row == j) & ~enters]
             for entry in entries.tolist():
                 behind = exits[exits > entry]
-                leave = float(behind.min()) if len(behind) else float(exits.min()) + turn
-                arcs.append((j, entry % turn, entry % turn + leave - entry))
-        return Section(heights, float(heights[1] - heights[0]), tuple(arcs))
+                leave = float(behind.min()) if len(behind) else float(exits.min()) + TURN
+                arcs.append((j, entry % TURN, entry % TURN + leave - entry))
+        return tuple(arcs)
+
+
+def bands_of(shape: Shape, top: float) -> Floats:
+    """(bands, 2) both ends of the bands of a meridian up to a length [m]; each is in one piece of it."""
+    rows = [np.zeros((0, 2))]
+    whole = max(top - shape.flat, 1e-12)
+    for low, high in zip(shape.begin[:-1].tolist(), np.minimum(shape.begin[1:], top).tolist()):
+        if high > low:
+            share = math.ceil(BANDS * (high - low) / whole)
+            count = BANDS_OF_FLAT if high <= shape.flat else max(share, BANDS_OF_PIECE)
+            edges = np.linspace(low, high, count + 1)
+            rows.append(np.column_stack([edges[:-1], edges[1:]]))
+    return np.concatenate(rows)
 
 
 def across(velocity: Floats, axis: Floats) -> tuple[Floats, Floats]:
     """The direction of the feed across the axis, and that on the left of it, (3,) each."""
     feed = velocity - (velocity @ axis) * axis
     length = float(np.linalg.norm(feed))
-    if length < 1e-9 * max(float(np.linalg.norm(velocity)), 1e-12):
+    if length < 1e-6 * max(float(np.linalg.norm(velocity)), 1e-12):
         feed = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
         length = float(np.linalg.norm(feed))
     feed = feed / length
     return feed, np.cross(axis, feed)
 
 
-def near(k: int, poses: Poses, shapes: tuple[Shape, ...]) -> Ints:
-    """Earlier poses whose tool can have reached the tool of pose k, the last first."""
+def near(motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...]) -> Ints:
+    """Poses before pose k whose tool can have reached its tool, the last first."""
     widest = np.array([shape.widest for shape in shapes] + [0.0])
-    own = shapes[poses.tool[k]]
-    off = poses.tip[:k] - poses.tip[k]
+    reach = np.array([shape.reach for shape in shapes] + [0.0])
+    own = motion.shape
+    low, high = poses.boxes()
+    room = own.widest + own.reach + float(widest.max()) + float(reach.max())
+    box = np.flatnonzero(((low <= motion.tip + room) & (high >= motion.tip - room)).all(axis=1))
+    rows = (box[:, None] * BLOCK + np.arange(BLOCK)).ravel()
+    rows = rows[rows < k]
+    tool, axis = poses.tool[rows], poses.axis[rows]
+    off = poses.tip[rows] - motion.tip
     # the tip of a tool may be far below: it reaches up to the end of its edge
-    reach = np.array([shape.reach for shape in shapes] + [0.0])[poses.tool[:k]]
-    along = np.einsum("nc,nc->n", off, poses.axis[:k])
-    beside = np.linalg.norm(off - along[:, None] * poses.axis[:k], axis=1)
+    along = np.einsum("nc,nc->n", off, axis)
+    beside = np.linalg.norm(off - along[:, None] * axis, axis=1)
     # a tilted axis brings the end of the edge over by its length
-    tilt = np.linalg.norm(poses.axis[:k] - poses.axis[k], axis=1)
-    wide = own.widest + widest[poses.tool[:k]] + own.reach * tilt
-    found = (poses.tool[:k] >= 0) & (beside < wide) & (along < own.reach + wide) & (along > -reach - wide)
-    return np.flatnonzero(found)[::-1]
+    tilt = np.linalg.norm(axis - motion.axis, axis=1)
+    wide = own.widest + widest[tool] + own.reach * tilt
+    found = (tool >= 0) & (beside < wide) & (along < own.reach + wide) & (along > -reach[tool] - wide)
+    kept: Ints = rows[found][::-1]
+    return kept
 
 
 def reached(place: Floats, before: Ints, poses: Poses, shapes: tuple[Shape, ...]) -> Bools:
     """(k,) which points (k, 3) a tool has been at in the poses `before` (n,)."""
     found = np.zeros(len(place), dtype=np.bool_)
+    if not len(place):
+        return found
+    # about the points, squares lose few digits
+    origin = 0.5 * (place.min(axis=0) + place.max(axis=0))
+    round_them = float(np.linalg.norm(place - origin, axis=1).max())
+    before = before[_meets(origin, round_them, before, poses, shapes)]
     left = np.arange(len(place))
-    # about the tool, squares lose few digits
-    origin = place[0] if len(place) else np.zeros(3)
     for begin in range(0, len(before), POSES):
         if not len(left):
             break
@@ -207,10 +239,20 @@ def reached(place: Floats, before: Ints, poses: Poses, shapes: tuple[Shape, ...]
         for tool in np.unique(poses.tool[some]).tolist():
             shape, mine = shapes[tool], poses.tool[some] == tool
             z, r = height[:, mine], square[:, mine]
-            beside = (z > GAP) & (z < shape.reach) & (r < shape.widest**2)
-            row, column = np.nonzero(beside)
-            rim = np.maximum(shape.radius(z[row, column]) - GAP, 0.0)
-            hit[row[r[row, column] < rim**2]] = True
+            row, column = np.nonzero((z > GAP) & (z < shape.reach) & (r < shape.widest**2))
+            hit[row[shape.holds(z[row, column], r[row, column], GAP)]] = True
         found[left[hit]] = True
         left = left[~hit]
+    return found
+
+
+def _meets(centre: Floats, radius: float, before: Ints, poses: Poses, shapes: tuple[Shape, ...]) -> Bools:
+    """(n,) which tools in the poses `before` (n,) come into a ball [m]."""
+    tool = poses.tool[before]
+    wide = radius + np.array([shape.widest for shape in shapes])[tool]
+    reach = np.array([shape.reach for shape in shapes])[tool]
+    off = centre - poses.tip[before]
+    along = np.einsum("nc,nc->n", off, poses.axis[before])
+    beside = np.einsum("nc,nc->n", off, off) - along**2
+    found: Bools = (beside < wide**2) & (along > -radius) & (along < reach + radius)
     return found

@@ -1,6 +1,6 @@
 """What a cutter takes over a turn in a section of the material: it is turned through, tooth by tooth, in time.
 
-Each piece of each tooth cuts, while it is in an arc of its slice, as thick a chip as the surface has moved outwards
+Each piece of each tooth cuts, while it is in an arc of its band, as thick a chip as the surface has moved outwards
 since the teeth before it passed (Kline and DeVor 1983, with runout and uneven pitch). Forces are linear in the chip
 (Altintas, Manufacturing Automation, 2012). The tool bends as a cantilever, whose lines are summed here in steps.
 """
@@ -8,17 +8,21 @@ since the teeth before it passed (Kline and DeVor 1983, with runout and uneven p
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
-from toolpace.judge.cut.sections import Section, Shape, across
+from toolpace.common.arrays import Floats, Ints
+from toolpace.judge.cut.sections import Section, ToolMotion
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
 
 STEPS = 720
-"""Of a turn."""
+"""Of a turn, at least: as many for each tooth."""
+ALONG_ARC = 64
+"""Places of an arc at which it is looked at how fast the surface moves outwards."""
 LAG = math.radians(0.5)
 """Most lag of the helix over a piece of the edge [rad]."""
 NEAR_SURFACE = math.radians(4.0)
@@ -28,6 +32,11 @@ FLUTES = 0.8
 MODULI = {"carbide": 580e9, "hss": 207e9, "steel": 207e9, "ceramic": 310e9, "cermet": 450e9}
 """Young's modulus of the material of a tool [Pa]."""
 BEAM_STEPS = 2000
+RAMP = math.sin(math.radians(3.0))
+"""Sine of the slope downwards from which the flat of the end cuts with the whole force of its edge; below it the force
+falls with the square of the slope, as the end rubs where a plane is rounded by a micrometre (docs/design/forces.md)."""
+PIECES = 4
+"""Of a band, at least."""
 
 
 @dataclass(frozen=True)
@@ -35,34 +44,60 @@ class Cutting:
     """A tool at work."""
 
     tool: ToolFigures
-    shape: Shape
     coefficients: Coefficients | None
     """None: forces are not asked for."""
     turns: float
     """Per second [1/s]."""
 
+    @property
+    def sense(self) -> float:
+        """1 where it turns clockwise, seen from the spindle, else -1."""
+        return 1.0 if self.tool.clockwise else -1.0
 
-def loads_of(section: Section, cutting: Cutting, velocity: Floats, axis: Floats, turning: Floats) -> dict[str, float]:
-    """The largest loads over a turn, in SI, by the names of limits; what nothing tells is left out.
+    @property
+    def slope(self) -> float:
+        """Lag of the edge behind its tip, over the height [rad/m]."""
+        return 2.0 * math.tan(self.tool.helix) / self.tool.diameter
 
-    velocity (3,) of the tip [m/s], turning (3,) the angular velocity of the axis [rad/s].
-    """
-    tool, shape = cutting.tool, cutting.shape
-    teeth = tool.teeth or 1
-    speed = float(np.linalg.norm(velocity))
-    per_tooth = speed / (teeth * cutting.turns)
+    @cached_property
+    def pitch(self) -> Floats:
+        """(teeth,) angles from each tooth to the next [rad]."""
+        teeth = self.tool.teeth or 1
+        return np.array(self.tool.pitch) if self.tool.pitch else np.full(teeth, 2.0 * math.pi / teeth)
+
+    @property
+    def steps(self) -> int:
+        """Of a turn, as many for each tooth."""
+        return len(self.pitch) * math.ceil(STEPS / len(self.pitch))
+
+    @property
+    def alike(self) -> bool:
+        """Whether all teeth cut the same."""
+        return not self.tool.pitch and self.tool.runout == 0.0
+
+    @cached_property
+    def offset(self) -> Floats:
+        """(teeth,) angle of each tooth from the first [rad]."""
+        return self.sense * np.concatenate([[0.0], np.cumsum(self.pitch)[:-1]])
+
+
+def loads_of(section: Section, cutting: Cutting, motion: ToolMotion) -> dict[str, float]:
+    """The largest loads over a turn, in SI, by the names of limits; what nothing tells is left out."""
+    tool = cutting.tool
+    teeth, engaged = len(cutting.pitch), bool(section.arcs)
+    per_tooth = float(np.linalg.norm(motion.velocity)) / (teeth * cutting.turns)
     radius = tool.corner_radius or 0.5 * tool.diameter
-    engaged = bool(section.arcs)
     found = {
         "feed_per_tooth": per_tooth if engaged else 0.0,
         "feed_marks": (per_tooth * teeth) ** 2 / (8.0 * radius) if engaged else 0.0,
     }
-    edge = _Edge(section, tool, shape, velocity, axis, turning)
-    found["chip"], found["removal_rate"] = edge.chip / (teeth * cutting.turns), edge.rate
+    edge = _Edge(section, motion, cutting)
+    fastest, found["removal_rate"] = edge.thickest()
+    found["chip"] = fastest / (teeth * cutting.turns)
     if not engaged:
         return found
     beam = None if tool.stick_out is None else _Beam(tool, edge.height)
-    turned = edge.turned(cutting, beam)
+    turned = edge.turned(beam)
     found |= {"area": float(turned.area.max()), "edge": float(turned.edge.max())}
     if cutting.coefficients is None:
         return found
@@ -84,155 +119,173 @@ def loads_of(section: Section, cutting: Cutting, velocity: Floats, axis: Floats,
     return found
 
 
-@dataclass(frozen=True)
 class _Turned:
-    force: Floats
-    """(steps, 3) along feed, left and axis [N]."""
-    torque: Floats
-    """(steps,) [N m]"""
-    moment: Floats
-    """(steps, 2) at the holder, by forces along feed and left [N m]."""
-    area: Floats
-    """(steps,) of the chips of all teeth [m2]."""
-    edge: Floats
-    """(steps,) in material, as width of the chips [m]."""
-    bent: Floats
-    """(steps, heights, 2) along feed and left [m]; of the tip first, then of the slices."""
+    """What adds up over the steps of a turn."""
+
+    def __init__(self, steps: int, heights: int) -> None:
+        self.force = np.zeros((steps, 3))
+        """Along feed, left and axis [N]."""
+        self.torque = np.zeros(steps)
+        """[N m]"""
+        self.moment = np.zeros((steps, 2))
+        """At the holder, by forces along feed and left [N m]."""
+        self.area = np.zeros(steps)
+        """Of the chips of all teeth [m2]."""
+        self.edge = np.zeros(steps)
+        """In material, as width of the chips [m]."""
+        self.bent = np.zeros((steps, 1 + heights, 2))
+        """Along feed and left [m]; of the tip first, then of the bands."""
+
+    def of_all(self, teeth: int) -> _Turned:
+        """That of so many teeth, all alike, from that of one."""
+        found = _Turned(len(self.torque), self.bent.shape[1] - 1)
+        for name, one in vars(self).items():
+            rolled = [np.roll(one, k * len(one) // teeth, axis=0) for k in range(teeth)]
+            setattr(found, name, np.sum(rolled, axis=0))
+        return found
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """p pieces of one edge within a band."""
+
+    middle: Floats
+    """(p,) lengths of the meridian [m]."""
+    width: Floats
+    """(p,) along it [m]."""
+    radius: Floats
+    height: Floats
+    sine: Floats
+    """(p,) across the axis, of the surface's normal."""
+    cosine: Floats
+    """(p,) up along the axis."""
 
 
 class _Edge:
     """One edge of the tool in pieces that are in material at some angle."""
 
-    def __init__(
-        self, section: Section, tool: ToolFigures, shape: Shape, velocity: Floats, axis: Floats, turning: Floats
-    ) -> None:
-        self.section, self.tool, self.shape = section, tool, shape
-        self.slope = 2.0 * math.tan(tool.helix) / tool.diameter
-        self.height = section.height
-        self.feed, self.side = across(velocity, axis)
-        self.velocity, self.axis, self.turning = velocity, axis, turning
-        self.chip, self.rate = self._thickest()
+    def __init__(self, section: Section, motion: ToolMotion, cutting: Cutting) -> None:
+        self.section, self.motion, self.cutting = section, motion, cutting
+        self.middle = section.edges.mean(axis=1)
+        _, self.height, self.kappa = motion.shape.at(self.middle)
+        downwards = -motion.along / max(float(np.linalg.norm(motion.velocity)), 1e-12)
+        self.rubs = min(max(downwards, 0.0) / RAMP, 1.0) ** 2
+        """Share of the force of the edge that the flat of the end takes."""
 
-    def outwards(self, height: Floats, angle: Floats) -> Floats:
-        """(n,) how fast the surface moves outwards at heights and angles (n,) [m/s]."""
-        sine, cosine = self.shape.normal(height)
-        direction = np.cos(angle)[:, None] * self.side + np.sin(angle)[:, None] * self.feed
-        arm = height[:, None] * self.axis + self.shape.radius(height)[:, None] * direction
-        moves = self.velocity + np.cross(self.turning, arm)
-        normal = sine[:, None] * direction + cosine[:, None] * self.axis
-        return np.asarray(np.einsum("nc,nc->n", moves, normal))
-
-    def _thickest(self) -> tuple[float, float]:
+    def thickest(self) -> tuple[float, float]:
         """The fastest that the surface moves outwards in material [m/s], and the volume that it takes [m3/s]."""
-        most = rate = 0.0
-        for j, entry, leave in self.section.arcs:
-            angle = np.linspace(entry, leave, 200)
-            height = np.full(200, self.height[j])
-            moves = np.maximum(self.outwards(height, angle), 0.0)
-            most = max(most, float(moves.max()))
-            sine, _ = self.shape.normal(height[:1])
-            area = self.section.slice_height / float(sine[0]) * float(self.shape.radius(height[:1])[0])
-            rate += area * float(np.trapezoid(moves, angle))
-        return most, rate
+        if not self.section.arcs:
+            return 0.0, 0.0
+        band, entry, leave = (np.array(each) for each in zip(*self.section.arcs))
+        angle = np.linspace(entry, leave, ALONG_ARC, axis=1)
+        length = np.repeat(self.middle[band], ALONG_ARC)
+        moves = np.maximum(self.motion.outwards(length, angle.ravel()), 0.0).reshape(angle.shape)
+        width, radius = np.diff(self.section.edges, axis=1)[band, 0], self.motion.shape.at(self.middle[band])[0]
+        return float(moves.max()), float((width * radius * np.trapezoid(moves, angle, axis=1)).sum())
 
-    def turned(self, cutting: Cutting, beam: _Beam | None) -> _Turned:
+    def pieces(self, band: int) -> _Pieces:
+        """Those of a band."""
+        low, high = self.section.edges[band]
+        _, ends, _ = self.motion.shape.at(self.section.edges[band])
+        lag = abs(self.cutting.slope) * float(ends[1] - ends[0])
+        rim = np.linspace(low, high, max(math.ceil(lag / LAG), PIECES) + 1)
+        middle = 0.5 * (rim[1:] + rim[:-1])
+        radius, height, kappa = self.motion.shape.at(middle)
+        return _Pieces(middle, np.diff(rim), radius, height, np.sin(kappa), -np.cos(kappa))
+
+    def turned(self, beam: _Beam | None) -> _Turned:
         """All over a turn."""
-        tool, k = self.tool, cutting.coefficients or Coefficients(0.0, 0.0)
-        teeth, sense = tool.teeth or 1, 1.0 if tool.clockwise else -1.0
-        pitch = np.array(tool.pitch) if tool.pitch else np.full(teeth, 2.0 * math.pi / teeth)
-        offset = sense * np.concatenate([[0.0], np.cumsum(pitch)[:-1]])
-        theta = sense * 2.0 * math.pi * np.arange(STEPS) / STEPS
-        force, torque = np.zeros((STEPS, 3)), np.zeros(STEPS)
-        area, edge = np.zeros(STEPS), np.zeros(STEPS)
-        moment = np.zeros((STEPS, 2))
-        bent = np.zeros((STEPS, 1 + len(self.height), 2))
-        high = self.section.slice_height
-        pieces = max(math.ceil(abs(self.slope) * high / LAG), 8)
+        teeth = len(self.cutting.pitch)
+        found = _Turned(self.cutting.steps, len(self.height))
         for j, entry, leave in self.section.arcs:
-            rim = self.height[j] - 0.5 * high + high * np.arange(pieces + 1) / pieces
-            middle, r = 0.5 * (rim[1:] + rim[:-1]), self.shape.radius(0.5 * (rim[1:] + rim[:-1]))
-            sine, cosine = self.shape.normal(middle)
-            length = np.diff(rim) / sine
-            for tooth in range(teeth):
-                phi = theta[:, None] + offset[tooth] - self.slope * middle
-                at, piece = np.nonzero((phi - entry) % (2.0 * math.pi) < leave - entry)
-                phi = phi[at, piece]
-                chip = self._chip(middle[piece], phi, sine[piece], tooth, pitch, offset, cutting)
-                cut = chip > 0.0
-                at, piece, phi, h = at[cut], piece[cut], phi[cut], chip[cut]
-                b, s, c = length[piece], sine[piece], cosine[piece]
-                tangential = (k.tangential * h + k.tangential_edge) * b
-                radial, axial = (k.radial * h + k.radial_edge) * b, (k.axial * h + k.axial_edge) * b
-                # the radial force pushes the edge away from material, the axial one up along the meridian
-                inwards = radial * s - axial * c
-                parts = (
-                    -inwards * np.sin(phi) - sense * tangential * np.cos(phi),
-                    -inwards * np.cos(phi) + sense * tangential * np.sin(phi),
-                    -radial * c - axial * s,
-                )
-                for column, part in enumerate(parts):
-                    force[:, column] += np.bincount(at, part, minlength=STEPS)
-                torque += np.bincount(at, tangential * r[piece], minlength=STEPS)
-                area += np.bincount(at, h * b, minlength=STEPS)
-                edge += np.bincount(at, b, minlength=STEPS)
-                if beam is not None:
-                    arm = beam.length - middle[piece]
-                    lines = beam.lines(middle)[:, piece]
-                    for column in range(2):
-                        moment[:, column] += np.bincount(at, parts[column] * arm, minlength=STEPS)
-                        for w in range(len(lines)):
-                            bent[:, w, column] += np.bincount(at, parts[column] * lines[w], minlength=STEPS)
-        return _Turned(force, torque, moment, area, edge, bent)
+            pieces = self.pieces(j)
+            of_edge = self.rubs if self.kappa[j] == 0.0 else 1.0
+            for tooth in range(1 if self.cutting.alike else teeth):
+                self._add(found, pieces, (entry, leave), tooth, of_edge, beam)
+        return found.of_all(teeth) if self.cutting.alike else found
 
-    def _chip(
-        self, height: Floats, phi: Floats, sine: Floats, tooth: int, pitch: Floats, offset: Floats, cutting: Cutting
-    ) -> Floats:
+    def _add(
+        self, found: _Turned, pieces: _Pieces, arc: tuple[float, float], tooth: int, of_edge: float, beam: _Beam | None
+    ) -> None:
+        """Add what the pieces of a tooth take in an arc; of_edge: share of the force of the edge that counts."""
+        cutting, k, steps = self.cutting, self.cutting.coefficients or Coefficients(0.0, 0.0), len(found.torque)
+        theta = cutting.sense * 2.0 * math.pi * np.arange(steps) / steps
+        phi = theta[:, None] + cutting.offset[tooth] - cutting.slope * pieces.height
+        at, piece = np.nonzero((phi - arc[0]) % (2.0 * math.pi) < arc[1] - arc[0])
+        phi = phi[at, piece]
+        chip = self._chip(pieces, piece, phi, tooth)
+        cut = chip > 0.0
+        at, piece, phi, h = at[cut], piece[cut], phi[cut], chip[cut]
+        b, s, c = pieces.width[piece], pieces.sine[piece], pieces.cosine[piece]
+        tangential, radial, axial = (
+            (per_chip * h + of_edge * per_edge) * b
+            for per_chip, per_edge in (
+                (k.tangential, k.tangential_edge), (k.radial, k.radial_edge), (k.axial, k.axial_edge),
+            )
+        )  # fmt: skip
+        # the radial force pushes the edge away from material, the axial one up along the meridian
+        inwards = radial * s - axial * c
+        parts = (
+            -inwards * np.sin(phi) - cutting.sense * tangential * np.cos(phi),
+            -inwards * np.cos(phi) + cutting.sense * tangential * np.sin(phi),
+            -radial * c - axial * s,
+        )
+        for column, part in enumerate(parts):
+            found.force[:, column] += np.bincount(at, part, minlength=steps)
+        found.torque += np.bincount(at, tangential * pieces.radius[piece], minlength=steps)
+        found.area += np.bincount(at, h * b, minlength=steps)
+        found.edge += np.bincount(at, of_edge * b, minlength=steps)
+        if beam is None:
+            return
+        arm, lines = beam.length - pieces.height[piece], beam.lines(pieces.height)[:, piece]
+        for column in range(2):
+            found.moment[:, column] += np.bincount(at, parts[column] * arm, minlength=steps)
+            for w in range(len(lines)):
+                found.bent[:, w, column] += np.bincount(at, parts[column] * lines[w], minlength=steps)
+
+    def _chip(self, pieces: _Pieces, piece: Ints, phi: Floats, tooth: int) -> Floats:
         """(n,) thickness of the chip of a tooth [m]: what the surface gained since each of the others passed."""
-        outwards = self.outwards(height, phi)
-        count, runout = len(pitch), self.tool.runout
-        lag = self.slope * height
-        own = runout * np.cos(-offset[tooth] + lag)
+        cutting = self.cutting
+        outwards = self.motion.outwards(pieces.middle[piece], phi)
+        count, runout, lag = len(cutting.pitch), cutting.tool.runout, cutting.slope * pieces.height[piece]
+        own = runout * np.cos(-cutting.offset[tooth] + lag)
         chip, gone = np.full(len(phi), np.inf), 0.0
         for m in range(1, count + 1):
-            gone += float(pitch[(tooth + m - 1) % count]) / (2.0 * math.pi * cutting.turns)
-            other = runout * np.cos(-offset[(tooth + m) % count] + lag)
-            chip = np.minimum(chip, outwards * gone + (own - other) * sine)
+            gone += float(cutting.pitch[(tooth + m - 1) % count]) / (2.0 * math.pi * cutting.turns)
+            other = runout * np.cos(-cutting.offset[(tooth + m) % count] + lag)
+            chip = np.minimum(chip, outwards * gone + (own - other) * pieces.sine[piece])
             if runout == 0.0:
                 break
         return chip
 
     def left(self, turned: _Turned) -> Floats:
         """(k,) what deflection leaves on the surface at the places where the edge makes it, above zero too much [m]."""
-        tool, found = self.tool, []
-        teeth, sense = tool.teeth or 1, 1.0 if tool.clockwise else -1.0
-        pitch = np.array(tool.pitch) if tool.pitch else np.full(teeth, 2.0 * math.pi / teeth)
-        offset = sense * np.concatenate([[0.0], np.cumsum(pitch)[:-1]])
+        return np.array(list(self._left(turned)))
+
+    def _left(self, turned: _Turned) -> Iterator[float]:
+        cutting = self.cutting
         for j, entry, leave in self.section.arcs:
-            height = float(self.height[j])
-            sine, _ = self.shape.normal(self.height[j : j + 1])
-            for end in (entry, leave):
-                place = self._without_chip(height, end)
+            sine = math.sin(self.kappa[j])
+            steps = len(turned.torque)
+            for end in (entry, leave) if sine > 0.0 else ():
+                place = self._without_chip(self.middle[j], end)
                 if place is None or abs(place - end) > NEAR_SURFACE:
                     continue
-                angle = min(max(place, entry), leave)
-                off = []
-                for tooth in range(teeth):
+                angle, off = min(max(place, entry), leave), []
+                for offset in cutting.offset.tolist():
                     # the step at which the edge of this height is there
-                    at = sense * (angle + self.slope * height - offset[tooth]) / (2.0 * math.pi) * STEPS
-                    below = math.floor(at)
-                    share = at - below
-                    bent = (1.0 - share) * turned.bent[below % STEPS, 1 + j] + share * turned.bent[
-                        (below + 1) % STEPS, 1 + j
-                    ]
-                    off.append(-float(sine[0]) * (bent[0] * math.sin(angle) + bent[1] * math.cos(angle)))
+                    step = cutting.sense * (angle + cutting.slope * self.height[j] - offset) / (2.0 * math.pi) * steps
+                    low = math.floor(step)
+                    ends = turned.bent[low % steps, 1 + j], turned.bent[(low + 1) % steps, 1 + j]
+                    bent = ends[0] + (step - low) * (ends[1] - ends[0])
+                    off.append(-sine * float(bent[0] * math.sin(angle) + bent[1] * math.cos(angle)))
                 # of several teeth the one that reaches furthest leaves it
-                found.append(min(off))
-        return np.array(found)
+                yield min(off)
 
-    def _without_chip(self, height: float, end: float) -> float | None:
+    def _without_chip(self, length: float, end: float) -> float | None:
         """The angle nearest to an end at which the surface does not move outwards; None where there is none near."""
         angle = end + np.linspace(-2.0 * NEAR_SURFACE, 2.0 * NEAR_SURFACE, 81)
-        moves = self.outwards(np.full(81, height), angle)
+        moves = self.motion.outwards(np.full(81, length), angle)
         change = np.flatnonzero(moves[1:] * moves[:-1] <= 0.0)
         if not len(change):
             return None

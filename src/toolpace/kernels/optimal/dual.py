@@ -17,6 +17,10 @@ from toolpace.kernels.optimal.newton import REST, Ends
 
 UNIT = 2.0**-53
 """Largest relative error of one rounding."""
+GATHERED = 9
+"""Sums that `gather` makes of a knot."""
+HALVINGS = 100
+"""Of a range, until it is one of rounding."""
 
 
 class KnotRows(NamedTuple):
@@ -33,6 +37,10 @@ class KnotRows(NamedTuple):
     rows: Floats
     """(points, 2 m, 3) the first m of acceleration, the others of jerk, divided by their limits."""
     ends: Ends
+    shift: Floats = np.empty((0, 0))
+    """(points, 2 m) constants of the rows; empty where all are zero."""
+    root: Floats = np.empty((0, 0))
+    """(points, 2 m) coefficients of sqrt(z) in the rows, for the dual function alone; empty where all are zero."""
 
 
 @jit()
@@ -51,6 +59,35 @@ def lowest(kappa: float, theta: float, low: float, high: float) -> float:
         z = (0.5 * kappa / theta) ** (2.0 / 3.0)
         if low < z < high:
             best = min(best, kappa / np.sqrt(z) + theta * z)
+    return best
+
+
+@jit()
+def lowest_with_root(kappa: float, theta: float, root: float, low: float, high: float) -> float:
+    """The least of kappa / sqrt(z) + theta z + root sqrt(z) over low <= z <= high, as `lowest` has it without a root.
+
+    With x = sqrt(z) its slope has the sign of g(x) = 2 theta x^3 + root x^2 - kappa. Where kappa is positive g begins
+    below zero; its first zero, if there is one, is a least place, and a further one a largest. The ranges of z that
+    `lowest` is for have no root: low is zero.
+    """
+    if root == 0.0 or low > 0.0 or kappa < 0.0:
+        return lowest(kappa, theta, low, high) if root == 0.0 else -np.inf
+    top = np.sqrt(high)
+    best = float(kappa / top + theta * high + root * top)
+    if kappa == 0.0:
+        best = min(best, 0.0)
+    # up to its largest value, or without end, g grows from where it is above -kappa
+    reach = min(top, -root / (3.0 * theta)) if theta < 0.0 and root > 0.0 else top
+    near, far = 0.0, reach
+    if 2.0 * theta * far**3 + root * far**2 > kappa:
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            if 2.0 * theta * middle**3 + root * middle**2 > kappa:
+                far = middle
+            else:
+                near = middle
+        if far > 0.0:
+            best = min(best, kappa / far + theta * far**2 + root * far)
     return best
 
 
@@ -122,13 +159,14 @@ def gather(knots: KnotRows, low: Floats, dual: Floats, terms: int) -> Floats:
     """What the multipliers of each knot's rows come to: all that `value_of` needs of them, linear in them.
 
     Parameters as of `dual_value`, and the number of terms that `value_of` will be told. The multipliers of jerk of a
-    knot are lowered where they outweigh the time and z may come close to zero. Returns (n, 8): sums of multipliers
-    times the rows' three columns, the same with all signs positive, and those of acceleration and of jerk alone.
+    knot are lowered where they outweigh the time and z may come close to zero. Returns (n, GATHERED): sums of
+    multipliers times the rows' three columns, the same with all signs positive, those of acceleration alone less those
+    times constants, of jerk alone, and times the coefficients of sqrt(z).
     """
     first, weight, rows, end = knots.first, knots.weight, knots.rows, knots.ends.end
     n, count = len(weight), rows.shape[1]
-    half = count // 2
-    out = np.zeros((n, 8))
+    half, shifted, rooted = count // 2, len(knots.shift) > 0, len(knots.root) > 0
+    out = np.zeros((n, GATHERED))
     # more than `value_of` charges: kappa shall stay positive there, in a mean of two such results too
     rounding = 8.0 * (terms + 12) * UNIT
     for k in range(n):
@@ -148,6 +186,10 @@ def gather(knots: KnotRows, low: Floats, dual: Floats, terms: int) -> Floats:
                     out[k, 6] += up + down
                 else:
                     up, down = share * up, share * down
+                if shifted:
+                    out[k, 6] -= (up - down) * knots.shift[p, i]
+                if rooted:
+                    out[k, 8] += (up - down) * knots.root[p, i]
                 for d in range(3):
                     out[k, d] += (up - down) * rows[p, i, d]
                     out[k, 3 + d] += (up + down) * abs(rows[p, i, d])
@@ -166,7 +208,7 @@ def value_of(knots: KnotRows, low: Floats, high: Floats, gathered: Floats, terms
     total = scale = 0.0
     for k in range(n):
         total -= gathered[k, 6]
-        scale += gathered[k, 6]
+        scale += abs(gathered[k, 6])
     given, rounded = _tie(ends, force, size)
     total, scale = total + given, scale + entries * rounded
     theta = force[1 : n + 1].copy()
@@ -174,7 +216,7 @@ def value_of(knots: KnotRows, low: Floats, high: Floats, gathered: Floats, terms
     error = _errors(knots, theta, size, entries)
     first_knot, last_knot = _owning(ends, n)
     for k in range(first_knot, last_knot + 1):
-        value = lowest(kappa[k], theta[k] - 2.0 * error[k], low[k], high[k])
+        value = lowest_with_root(kappa[k], theta[k] - 2.0 * error[k], gathered[k, 8], low[k], high[k])
         total += value
         scale += abs(value)
     for side in range(2):
@@ -182,7 +224,7 @@ def value_of(knots: KnotRows, low: Floats, high: Floats, gathered: Floats, terms
             continue
         # the outermost knot, whose z is given, and the coefficient given that its neighbour sees too
         outer, inner, column = (0, 1, 0) if side == 0 else (n - 1, n - 2, 2)
-        value = kappa[outer] / np.sqrt(ends.fixed[3 * side])
+        value = kappa[outer] / np.sqrt(ends.fixed[3 * side]) + gathered[outer, 8] * np.sqrt(ends.fixed[3 * side])
         if last_knot >= first_knot:
             seen, neighbour = knots.basis[inner, 0, column], ends.fixed[1 + side]
             shift = theta[inner] * seen * neighbour

@@ -48,6 +48,8 @@ class PointRows(NamedTuple):
     """(points,) on z: of velocity and feed."""
     rows: Floats
     """(points, 2 m, 3) the first m of acceleration, the others of jerk, divided by their limits."""
+    shift: Floats
+    """(points, 2 m) the constants of the rows: |r . (z, z', z'') + shift| <= limit; empty where all are zero."""
 
 
 @jit()
@@ -108,8 +110,8 @@ def usage(points: PointRows, c: Floats) -> tuple[Floats, Floats]:
 
     Infinite where z is not positive.
     """
-    basis, first, cap, rows = points.basis, points.first, points.cap, points.rows
-    n, count = rows.shape[0], rows.shape[1]
+    basis, first, cap, rows, shift = points.basis, points.first, points.cap, points.rows, points.shift
+    n, count, shifted = rows.shape[0], rows.shape[1], len(shift) > 0
     used, z = np.zeros((n, 3)), np.empty(n)
     for p in range(n):
         k = first[p]
@@ -123,7 +125,8 @@ def usage(points: PointRows, c: Floats) -> tuple[Floats, Floats]:
             continue
         used[p, 0] = u0 / cap[p]
         for i in range(count):
-            value = abs(rows[p, i, 0] * u0 + rows[p, i, 1] * u1 + rows[p, i, 2] * u2)
+            value = rows[p, i, 0] * u0 + rows[p, i, 1] * u1 + rows[p, i, 2] * u2
+            value = abs(value + shift[p, i] if shifted else value)
             kind = 1 if i < count // 2 else 2
             used[p, kind] = max(used[p, kind], value)
         used[p, 2] *= np.sqrt(u0)

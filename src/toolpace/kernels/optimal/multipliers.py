@@ -1,8 +1,8 @@
 """Rows in tiles and their multipliers, for problem and relaxation.
 
-A row bounds value = r . (z, z', z'') from above and below: by 1 for acceleration, by the limit of its point for jerk,
-each relaxed by an amount of its kind. With its slacks, up = limit + extra - value and down = limit + extra + value, go
-the multipliers above and below. Sums and peaks are kept lane by lane, and gathered at the end.
+A row bounds value = r . (z, z', z'') + shift from above and below: by 1 for acceleration, by the limit of its point for
+jerk, each relaxed by an amount of its kind. With its slacks, up = limit + extra - value and down = limit + extra +
+value, go the multipliers above and below. Sums and peaks are kept lane by lane, and gathered at the end.
 
 In a tile the values of TILE points lie side by side in memory. A loop over the places of a tile, its lanes, does the
 same for each of them, which vector instructions do for several at once. An array (points, ...) becomes
@@ -28,10 +28,10 @@ Z, Z1, Z2, LIMIT, FALL, EXTRA, EXTRA_JERK = range(7)
 """State of a point or knot: z, z', z'', the limit of its jerk rows, the negative slope of 1 / sqrt(z), and by how much
 its rows of acceleration and of jerk are relaxed."""
 STATES = 7
-BOUND, RELAXED, SLOPE, COMMON, FIRST = range(0, 10, 2)
+BOUND, RELAXED, SLOPE, COMMON, FIRST, SHIFT = range(0, 12, 2)
 """Of the rows of a tile, those of acceleration, and next to it those of jerk: limit, its relief, its negative slope,
-and what a step and the predictor's do to both slacks alike."""
-BOUNDS = 10
+and what a step and the predictor's do to both slacks alike; last the constant of the row at hand."""
+BOUNDS = 11
 
 
 class RowTiles(NamedTuple):
@@ -48,6 +48,8 @@ class RowTiles(NamedTuple):
     """(tiles, STATES, TILE) states of the points."""
     dual: Floats
     """(tiles, r, 2, TILE) multipliers above and below."""
+    shift: Floats
+    """(tiles, r, TILE) constants of the rows; empty where all are zero."""
 
 
 class RowSteps(NamedTuple):
@@ -80,13 +82,15 @@ def advance(dual: Floats, step: Floats, go: float) -> None:
 
 
 @jit(inline=True)
-def in_tiles(rows: Floats, wanted: Bools) -> RowTiles:
-    """The rows (points, 2 m, 3) that are wanted (tiles, 2 m) in tiles, states and multipliers still zero."""
+def in_tiles(rows: Floats, shift: Floats, wanted: Bools) -> RowTiles:
+    """The rows (points, 2 m, 3) that are wanted (tiles, 2 m) in tiles, states and multipliers still zero; with their
+    constants (points, 2 m), if there are any."""
     points, count = rows.shape[0], rows.shape[1]
     tiles, most = len(wanted), 0
     for t in range(tiles):
         most = max(most, int(np.count_nonzero(wanted[t])))
     of_tiles, kept = np.zeros((tiles, most, 3, TILE)), np.zeros((tiles, 2), dtype=np.int64)
+    shifts = np.zeros((tiles if len(shift) > 0 else 0, most, TILE))
     for t in range(tiles):
         first, last = t * TILE, min((t + 1) * TILE, points)
         for i in range(count):
@@ -96,7 +100,9 @@ def in_tiles(rows: Floats, wanted: Bools) -> RowTiles:
                 for p in range(first, last):
                     for d in range(3):
                         of_tiles[t, at, d, p - first] = rows[p, i, d]
-    return RowTiles(points, of_tiles, kept, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, most, 2, TILE)))
+                    if len(shift) > 0:
+                        shifts[t, at, p - first] = shift[p, i]
+    return RowTiles(points, of_tiles, kept, np.zeros((tiles, STATES, TILE)), np.zeros((tiles, most, 2, TILE)), shifts)
 
 
 @jit(inline=True)
@@ -128,6 +134,15 @@ def set_bounds(at: Floats, lanes: int, out: Floats) -> None:
         out[BOUND, p], out[BOUND + 1, p] = 1.0, at[LIMIT, p]
         out[RELAXED, p], out[RELAXED + 1, p] = at[EXTRA, p], at[EXTRA_JERK, p]
         out[SLOPE, p], out[SLOPE + 1, p] = 0.0, at[FALL, p]
+        out[SHIFT, p] = 0.0
+
+
+@jit(reorder=True)
+def set_shift(tiles: RowTiles, t: int, i: int, lanes: int, out: Floats) -> None:
+    """Set the constant of the row i of a tile, where rows have constants."""
+    if len(tiles.shift) > 0:
+        for p in range(lanes):
+            out[SHIFT, p] = tiles.shift[t, i, p]
 
 
 @jit(reorder=True)
@@ -141,17 +156,18 @@ def set_common(at: Floats, change: Floats, column: int, lanes: int, out: Floats)
 @jit(reorder=True)
 def start(tiles: RowTiles, centre: float) -> None:
     """Multipliers that make every product of slack and multiplier equal to `centre`."""
-    points, rows, kept, at, dual = tiles
+    points, rows, kept, at, dual, _ = tiles
     bounds = np.empty((BOUNDS, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, points - t * TILE)
         set_bounds(at[t], lanes, bounds)
         for i in range(kept[t, 0] + kept[t, 1]):
             kind = 0 if i < kept[t, 0] else 1
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 value = (
                     rows[t, i, 0, p] * at[t, Z, p] + rows[t, i, 1, p] * at[t, Z1, p] + rows[t, i, 2, p] * at[t, Z2, p]
-                )
+                ) + bounds[SHIFT, p]
                 room = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p]
                 dual[t, i, 0, p] = centre / (room - value)
                 dual[t, i, 1, p] = centre / (room + value)
@@ -192,7 +208,7 @@ def correct(tiles: RowTiles, steps: RowSteps, centre: float) -> tuple[float, flo
 
     Returns the largest relative losses of slack and of multiplier.
     """
-    points, rows, kept, at, dual = tiles
+    points, rows, kept, at, dual, _ = tiles
     affine, change, step = steps
     bounds, lane = np.empty((BOUNDS, TILE)), np.zeros((4, TILE))
     for t in range(len(rows)):
@@ -202,9 +218,10 @@ def correct(tiles: RowTiles, steps: RowSteps, centre: float) -> tuple[float, flo
         set_common(at[t], affine[t], FIRST, lanes, bounds)
         for i in range(kept[t, 0] + kept[t, 1]):
             kind = 0 if i < kept[t, 0] else 1
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]
+                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p] + bounds[SHIFT, p]
                 move = r0 * change[t, 0, p] + r1 * change[t, 1, p] + r2 * change[t, 2, p]
                 first = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
                 common, common_first = bounds[COMMON + kind, p], bounds[FIRST + kind, p]

@@ -5,8 +5,8 @@ wait y_k >= 0 as well, a time that it may stand still for at the price of that t
 
     minimise    sum_k w_k (1 / sqrt(z_k) + y_k)  [+ price . c, of a part whose surroundings are priced]
     subject to  z_k <= cap_k
-                |r . (z, z', z'')_k| <= 1                                acceleration rows
-                |r . (z, z', z'')_k| <= 1 / sqrt(z_k) + y_k              jerk rows
+                |r . (z, z', z'')_k + shift| <= 1                        acceleration rows
+                |r . (z, z', z'')_k + shift| <= 1 / sqrt(z_k) + y_k      jerk rows
                 low_k <= z_k,  1 / sqrt(z_k) + y_k <= chord_k(z_k)       where low_k > 0
 
 With the pace 1 / sqrt(z_k) + y_k as the variable this is convex, and y = 0 gives the problem itself. Where z is known
@@ -40,6 +40,7 @@ from toolpace.kernels.optimal.multipliers import (
     LIMIT,
     LINEAR,
     RELAXED,
+    SHIFT,
     SQUARE,
     TILE,
     Z1,
@@ -50,6 +51,7 @@ from toolpace.kernels.optimal.multipliers import (
     product_aimed_at,
     set_bounds,
     set_common,
+    set_shift,
     share_left,
 )
 from toolpace.kernels.optimal.newton import System, add_curvature, add_slope, aim_at_centre, aim_at_optimum, factor_tied
@@ -225,16 +227,17 @@ def _means(at: Floats, mean: Floats, lanes: int, out: Floats) -> None:
 @jit(reorder=True)
 def wait_system(tiles: RowTiles, out: Floats) -> None:
     """out (points, 4): what the jerk rows of each point add to the second derivatives by the wait of its knot."""
-    points, rows, _, at, dual = tiles
+    points, rows, _, at, dual, _ = tiles
     half = rows.shape[1] // 2
-    sums = np.empty((4, TILE))
+    sums, bounds = np.empty((4, TILE)), np.zeros((BOUNDS, TILE))
     for t in range(len(rows)):
         lanes = min(TILE, points - t * TILE)
         sums[:] = 0.0
         for i in range(half, 2 * half):
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]
+                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p] + bounds[SHIFT, p]
                 up, down = at[t, LIMIT, p] - value, at[t, LIMIT, p] + value
                 inverse = 1.0 / (up * down)
                 stiff_up, stiff_down = dual[t, i, 0, p] * inverse * down, dual[t, i, 1, p] * inverse * up
@@ -271,9 +274,11 @@ def newton_system(basis: Floats, points: Points, tiles: RowTiles, system: System
         sums[:] = 0.0
         for i in range(2 * half):
             kind = 0 if i < half else 1
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 value, extra = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[RELAXED + kind, p]
+                value += bounds[SHIFT, p]
                 up, down = bounds[BOUND + kind, p] + extra - value, bounds[BOUND + kind, p] + extra + value
                 inverse = 1.0 / (up * down)
                 above, below = dual[t, i, 0, p], dual[t, i, 1, p]
@@ -325,9 +330,10 @@ def predict(
         for i in range(2 * half):
             kind = 0 if i < half else 1
             jerk = 0.0 if i < half else 1.0
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
-                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p]
+                value = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p] + bounds[SHIFT, p]
                 move = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
                 room, common = bounds[BOUND + kind, p] + bounds[RELAXED + kind, p], bounds[COMMON + kind, p]
                 up, down = room - value, room + value

@@ -69,7 +69,7 @@ def first_waits(knots: KnotRows, own: OwnRows, states: KnotStates, centre: float
 @jit(inline=True)
 def _balancing(knots: KnotRows, k: int, u: Floats, centre: float) -> tuple[float, float]:
     """The least wait that the jerk rows of a knot ask for at u (n, 3 or more), and the one that balances the time."""
-    first, weight, rows = knots.first, knots.weight, knots.rows
+    first, weight, rows, shifted = knots.first, knots.weight, knots.rows, len(knots.shift) > 0
     half = rows.shape[1] // 2
     z, z1, z2 = u[k, 0], u[k, 1], u[k, 2]
     pace = 1.0 / np.sqrt(z)
@@ -77,7 +77,8 @@ def _balancing(knots: KnotRows, k: int, u: Floats, centre: float) -> tuple[float
     count = 1
     for p in range(first[k], first[k + 1]):
         for i in range(half, 2 * half):
-            worst = max(worst, abs(rows[p, i, 0] * z + rows[p, i, 1] * z1 + rows[p, i, 2] * z2))
+            value = rows[p, i, 0] * z + rows[p, i, 1] * z1 + rows[p, i, 2] * z2
+            worst = max(worst, abs(value + knots.shift[p, i] if shifted else value))
             count += 2
     # Newton on 1 / sum of 1 / slack
     lowest = max(worst - pace, 0.0)
@@ -87,6 +88,8 @@ def _balancing(knots: KnotRows, k: int, u: Floats, centre: float) -> tuple[float
         for p in range(first[k], first[k + 1]):
             for i in range(half, 2 * half):
                 value = rows[p, i, 0] * z + rows[p, i, 1] * z1 + rows[p, i, 2] * z2
+                if shifted:
+                    value += knots.shift[p, i]
                 up, down = 1.0 / (pace + y - value), 1.0 / (pace + y + value)
                 total += up + down
                 square += up * up + down * down

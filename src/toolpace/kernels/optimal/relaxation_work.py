@@ -112,7 +112,7 @@ class Work(NamedTuple):
 @jit(inline=True)
 def work_of(knots: KnotRows, low: Floats, cap: Floats, relief: Floats) -> Work:
     """Room for the iteration."""
-    n, tiles = len(low), in_tiles(knots.rows, all_wanted(knots.rows))
+    n, tiles = len(low), in_tiles(knots.rows, knots.shift, all_wanted(knots.rows))
     own, points = own_rows_of(knots, low, cap, relief), points_of(knots, tiles)
     states, waits, system = states_of(n), waits_of(n), system_of(n + 2)
     knot_steps, row_steps = knot_steps_of(n), steps_of(tiles)

@@ -4,8 +4,8 @@ Unknown is z(s) = (ds/dt)^2, a cubic spline with coefficients c, judged at point
 
     minimise    sum_p w_p / sqrt(z_p)
     subject to  z_p <= cap_p                                             velocity, feed
-                |r . (z, z', z'')_p| <= 1                                acceleration rows
-                |r . (z, z', z'')_p| <= z_p^(-1/2)                       jerk rows
+                |r . (z, z', z'')_p + shift| <= 1                        acceleration rows
+                |r . (z, z', z'')_p + shift| <= z_p^(-1/2)               jerk rows
 
 The right side of a jerk row is convex where it would have to be concave; its tangent at the current z lies below it,
 so a Newton step that respects the tangent stays feasible, and no outer loop is needed. All rows of a point touch
@@ -91,7 +91,7 @@ def maximise_speed(
     acceleration and jerk rows, positive where the start breaks one; spread, the first gap, and tolerance of the gap,
     relative to the time; idle: rows of which the start uses less in a whole tile of points are left out.
     """
-    tiles, caps = in_tiles(points.rows, solver_rows.wanted(points, c, idle)), caps_of(points, relief)
+    tiles, caps = in_tiles(points.rows, points.shift, solver_rows.wanted(points, c, idle)), caps_of(points, relief)
     steps, system, gradient = steps_of(tiles), system_of(len(c)), np.empty(len(c))
     products = tiles.points + 2 * rows_in(tiles)
     tau = 1.0 if np.max(relief) > 0.0 else 0.0

@@ -27,6 +27,7 @@ from toolpace.kernels.optimal.multipliers import (
     LINEAR,
     MOST_FALL,
     RELAXED,
+    SHIFT,
     SLOPE,
     SQUARE,
     TILE,
@@ -36,6 +37,7 @@ from toolpace.kernels.optimal.multipliers import (
     RowTiles,
     Z,
     set_bounds,
+    set_shift,
     share_left,
     tiled,
 )
@@ -88,8 +90,8 @@ def spread(points: PointRows, c: Floats, out: Floats) -> None:
 @jit()
 def wanted(points: PointRows, c: Floats, idle: float) -> Bools:
     """(tiles, 2 m) the rows that are used at least so much at some point of a tile, with the coefficients c."""
-    basis, first, rows = points.basis, points.first, points.rows
-    n, count = rows.shape[0], rows.shape[1]
+    basis, first, rows, shift = points.basis, points.first, points.rows, points.shift
+    n, count, shifted = rows.shape[0], rows.shape[1], len(shift) > 0
     out = np.zeros(((n + TILE - 1) // TILE, count), dtype=np.bool_)
     state = np.empty(3)
     for p in range(n):
@@ -99,7 +101,8 @@ def wanted(points: PointRows, c: Floats, idle: float) -> Bools:
                 state[d] += basis[p, d, j] * c[first[p] + j]
         pace = np.sqrt(state[0])
         for i in range(count):
-            value = abs(rows[p, i, 0] * state[0] + rows[p, i, 1] * state[1] + rows[p, i, 2] * state[2])
+            value = rows[p, i, 0] * state[0] + rows[p, i, 1] * state[1] + rows[p, i, 2] * state[2]
+            value = abs(value + shift[p, i] if shifted else value)
             out[p // TILE, i] |= not (value if 2 * i < count else value * pace) < idle
     return out
 
@@ -157,11 +160,13 @@ def newton_system(
         sums[:] = 0.0
         for i in range(kept[t, 0] + kept[t, 1]):
             kind = 0 if i < kept[t, 0] else 1
+            set_shift(tiles, t, i, lanes, bounds)
             jerk = float(kind)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
                 value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
+                value += bounds[SHIFT, p]
                 up, down = room - value, room + value
                 inverse = 1.0 / (up * down)
                 above, below = dual[t, i, 0, p], dual[t, i, 1, p]
@@ -242,10 +247,12 @@ def predict(
             lane[GROWS, p] = max(lane[GROWS, p], change)
         for i in range(kept[t, 0] + kept[t, 1]):
             kind = 0 if i < kept[t, 0] else 1
+            set_shift(tiles, t, i, lanes, bounds)
             for p in range(lanes):
                 r0, r1, r2 = rows[t, i, 0, p], rows[t, i, 1, p], rows[t, i, 2, p]
                 fall, extra = bounds[SLOPE + kind, p], bounds[RELAXED + kind, p]
                 value, room = r0 * at[t, Z, p] + r1 * at[t, Z1, p] + r2 * at[t, Z2, p], bounds[BOUND + kind, p] + extra
+                value += bounds[SHIFT, p]
                 move = r0 * affine[t, 0, p] + r1 * affine[t, 1, p] + r2 * affine[t, 2, p]
                 common = -fall * affine[t, 0, p] - extra
                 up, down = room - value, room + value

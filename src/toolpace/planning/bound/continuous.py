@@ -19,7 +19,6 @@ from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
-from toolpace.path.fit.spline import spline_values
 from toolpace.planning.bound.gap_localisation import settled
 from toolpace.planning.bound.problem import Knots
 from toolpace.planning.bound.relaxation import relaxed
@@ -90,14 +89,29 @@ def densities(knots: Knots, dual: Floats, joints: int) -> tuple[Floats, Floats]:
     return jerk, acceleration
 
 
-def spline(coefficients: Floats, step: float) -> Callable[[Floats, int], Floats]:
-    """The quadratic spline over even knots whose k-th coefficient belongs to the time (k + 1) step; f(t, order)."""
+def spline(coefficients: Floats, step: float, place: Floats) -> Callable[[int], Floats]:
+    """The quadratic spline over even knots whose k-th coefficient belongs to the time (k + 1) step; f(order).
+
+    f gives (cells * points, joints): a derivative in time at the places (points,) in [0, 1] of each cell between two
+    knots, the first and the last of which are half as long. Over even knots all cells have the same basis functions.
+    """
     first, last = coefficients[0] - coefficients[1], coefficients[-1] - coefficients[-2]
     before = [coefficients[0] + 2.0 * first, coefficients[0] + first]
     after = [coefficients[-1] + last, coefficients[-1] + 2.0 * last]
     extended = np.concatenate([before, coefficients, after])
-    knots = step * (np.arange(len(extended) + 3, dtype=np.float64) - 2.5)
-    return lambda t, order: spline_values(knots, extended, 2, t, order)
+    near = np.stack([extended[:-2], extended[1:-1], extended[2:]], axis=1)
+    u = np.tile(place, (len(near), 1))
+    u[0], u[-1] = 0.5 + 0.5 * place, 0.5 * place
+    one = np.ones_like(u)
+    basis = (
+        (0.5 * (1.0 - u) ** 2, 0.5 + u * (1.0 - u), 0.5 * u**2), (u - 1.0, 1.0 - 2.0 * u, u), (one, -2.0 * one, one),
+    )  # fmt: skip
+
+    def derivative(order: int) -> Floats:
+        value: Floats = np.stack(basis[order], axis=2) @ near / step**order
+        return value.reshape(-1, extended.shape[1])
+
+    return derivative
 
 
 def dual_integral(
@@ -120,10 +134,10 @@ def dual_integral(
     s = np.clip(s, run.s0, run.s1)
     q = np.ascontiguousarray(run.evaluate(s))
     q1, q2 = q[1], q[2]
-    nu_of, lambda_of = spline(jerk, step), spline(acceleration, step)
-    nu, nu_t, nu_tt = (nu_of(t, order) for order in range(3))
+    nu, nu_t, nu_tt = map(spline(jerk, step, place), range(3))
+    ahead, ahead_t, ahead_tt = map(spline(acceleration, step, place), range(3))
     # the rows of the mesh are stated half a cell ahead; so are the multipliers
-    lam, lam_t = (lambda_of(t, order) - 0.5 * step * lambda_of(t, order + 1) for order in range(2))
+    lam, lam_t = ahead - 0.5 * step * ahead_t, ahead_t - 0.5 * step * ahead_tt
     speed, change = v[:, None], a[:, None]
     nu_s, nu_ss = nu_t / speed, nu_tt / speed**2 - nu_t * change / speed**3
     of_jerk = (q1 * nu_ss - q2 * nu_s) / limits.jerk

@@ -63,7 +63,7 @@ def losses_by_knot(knots: Knots, c: Floats, dual: Floats) -> tuple[float, Floats
     least_terms(kappa, theta, np.zeros_like(kappa), knots.cap, least)
     pace = 1.0 / np.sqrt(u[:, 0])
     half = knots.rows.shape[1] // 2
-    used = np.einsum("pri,pi->pr", knots.rows, np.repeat(u, np.diff(knots.first), axis=0))
+    used = knots.used(u)
     limit = np.ones_like(used)
     limit[:, half:] = np.repeat(pace, np.diff(knots.first))[:, None]
     slack = (dual[:, :, 0] * (limit - used) + dual[:, :, 1] * (limit + used)).sum(axis=1)

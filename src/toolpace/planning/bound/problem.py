@@ -11,11 +11,15 @@ from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value
+from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
 
 START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
+LEAST_ROOM = 0.7
+"""Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
+other side, where it is held as well."""
 SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
 PADDING = 40
@@ -36,13 +40,66 @@ class Knots:
         self.price = np.zeros(n + 2)
         """(n + 2,) of the coefficients, where what surrounds a part is priced."""
         self.cap = np.minimum.reduceat(problem.cap, self.first[:-1])
-        self.rows = problem.rows
+        self.rows, self.shift, self.root, self.lines = problem.rows, np.empty((0, 0)), np.empty((0, 0)), problem.lines
+        if self.lines is not None:
+            self._take_lines(self.lines)
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
 
     def as_knots(self) -> KnotRows:
         """The problem as the kernels take it."""
         ends = newton.Ends(self.end, self.ratio, self.fixed)
-        return KnotRows(self.basis, self.first, self.weight, self.price, self.rows, ends)
+        return KnotRows(self.basis, self.first, self.weight, self.price, self.rows, ends, self.shift, self.root)
+
+    def _take_lines(self, lines: LineRows) -> None:
+        """Set the rows whose limits depend on the speed as they are, with constants and multiples of sqrt(z)."""
+        rows, shift, root = lines.scaled(*lines.over_range(np.sqrt(np.repeat(self.cap, np.diff(self.first)))))
+        self.rows = self.rows.copy()
+        self.shift, self.root = np.zeros(self.rows.shape[:2]), np.zeros(self.rows.shape[:2])
+        self.rows[:, lines.column], self.shift[:, lines.column], self.root[:, lines.column] = rows, shift, root
+
+    def linear(self, c: Floats) -> tuple[KnotRows, Floats]:
+        """The same for the relaxation, sqrt(z) made linear at coefficients c (n + 2,), and (points, k) the factors of
+        `multipliers`. It gives multipliers; the bound is theirs in the problem itself.
+
+        Near its limit a row takes sqrt(z) for the inverse of the pace p, of which the wait is a part. The tangent is
+        linear in p, so that the row becomes one of jerk,
+
+            (r . u + shift + 2 root x - 1) / (root x^2) <= p                                    at sqrt(z) = x
+
+        which holds on its other side, too, far from the plan. Elsewhere it is linear in z.
+        """
+        if self.lines is None:
+            return self.as_knots(), np.empty((0, 0))
+        u, column, half = self.state(c), self.lines.column, self.rows.shape[1] // 2
+        x = np.sqrt(np.repeat(u[:, 0], np.diff(self.first)))[:, None]
+        rows, shift, root = self.rows[:, column], self.shift[:, column], self.root[:, column]
+        limit, by_pace = 1.0 - shift - root * x, root * x * x
+        value = self.used(u)[:, column] - (shift + root * x)
+        near = value > limit - 2.0 * root * x + LEAST_ROOM * limit
+        factor = np.where(near, 1.0 / np.where(near, by_pace, 1.0), 0.0)
+        by_z = np.where(near[:, :, None], 0.0, rows)
+        by_z[:, :, 0] += np.where(near, 0.0, root / (2.0 * x))
+        linear, shifts = self.rows.copy(), self.shift.copy()
+        linear[:, column], shifts[:, column] = by_z, np.where(near, 0.0, shift + root * x / 2.0)
+        none, further = np.zeros_like(rows), factor * (shift + 2.0 * root * x - 1.0)
+        whole = np.concatenate([linear[:, :half], none, linear[:, half:], factor[:, :, None] * rows], axis=1)
+        constants = np.concatenate([shifts[:, :half], none[:, :, 0], shifts[:, half:], further], axis=1)
+        return self.as_knots()._replace(rows=whole, shift=constants, root=np.empty((0, 0))), factor
+
+    def multipliers(self, found: Floats, factor: Floats) -> Floats:
+        """(points, rows, 2) those of the rows from those of `linear`."""
+        if self.lines is None:
+            return found
+        half, more = self.rows.shape[1] // 2, factor.shape[1]
+        out = np.concatenate([found[:, :half], found[:, half + more : 2 * half + more]], axis=1)
+        out[:, self.lines.column, 0] += factor * found[:, 2 * half + more :, 0]
+        return out
+
+    def used(self, u: Floats) -> Floats:
+        """(points, rows) value of the rows, constants with them, at z, z', z'' (n, 3)."""
+        at_point = np.repeat(u, np.diff(self.first), axis=0)
+        value: Floats = np.einsum("pri,pi->pr", self.rows, at_point)
+        return value + self.shift + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
 
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
@@ -150,8 +207,7 @@ def start_within(
     low = np.zeros(len(u)) if low is None else low
     high = knots.cap if high is None else high
     half = knots.rows.shape[1] // 2
-    at_point = np.repeat(u, np.diff(knots.first), axis=0)
-    of_point = np.abs(np.einsum("pri,pi->pr", knots.rows[:, :half], at_point)).max(axis=1, initial=0.0)
+    of_point = np.abs(knots.used(u)[:, :half]).max(axis=1, initial=0.0)
     used = np.zeros(len(u))
     np.maximum.at(used, np.repeat(np.arange(len(u)), np.diff(knots.first)), of_point)
     relief = np.zeros((len(u), 4))

@@ -116,10 +116,13 @@ def prove_run(
 ) -> Bound:
     """The bound of a run's plan, raised until the gap is at most `target` or the allowance is spent.
 
-    Place by place: the multipliers may change in a part around it; what lies outside is priced by those found. So
+    Where limits depend on the speed it is as the plan has it. Place by place: the multipliers may change in a part
+    around it; what lies outside is priced by those found. So
     what is gained at places whose parts do not overlap adds up.
     """
     workers = workers or Workers()
+    if limits.depend_on_speed:
+        return bound_long_run(run, limits, law, start, end, workers)
     problem = problem_of(run, limits, law, start, end)
     knots, c = Knots(problem), coefficients(law)
     found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)

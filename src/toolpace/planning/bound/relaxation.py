@@ -96,7 +96,7 @@ class JoinedPieces:
         n = len(law.nodes)
         self.run, self.limits, self.law, self.ends = run, limits, law, ends
         self.highest = highest_speed(run, limits, law, law.nodes[:: max(n // SAMPLES, 1)])
-        self.gathered, self.cap, self.wait = np.zeros((n, 8)), np.empty(n), np.zeros(n)
+        self.gathered, self.cap, self.wait = np.zeros((n, dual.GATHERED)), np.empty(n), np.zeros(n)
         self.terms = 4 * limits.half
         self.lock = threading.Lock()
 
@@ -117,7 +117,7 @@ class JoinedPieces:
         before, after = [self.run.s0] if start.at_rest else [], [self.run.s1] if end.at_rest else []
         nodes = law.nodes[low : high + 1]
         around = np.concatenate([before, nodes, after])
-        knots = Knots(discretise(self.run, self.limits, around, start, end, self.highest))
+        knots = Knots(discretise(self.run, self.limits, around, start, end, self.highest, level=True))
         none = np.zeros(len(nodes))
         found = relaxed(knots, coefficients_of(nodes, law.cells[low:high]), none, knots.cap)
         mine = dual.gather(knots.as_knots(), none, found.dual, self.terms)
@@ -148,10 +148,12 @@ def relaxed(
 ) -> Relaxation:
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
-    value, dual, wait, steps = relaxation.relax(
-        knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
-    )
-    return Relaxation(value, dual, wait, start, steps)
+    linear, factor = knots.linear(c)
+    value, found, wait, steps = relaxation.relax(linear, low, high, start, relief, tolerance, enough, MOST_STEPS)
+    multipliers = knots.multipliers(found, factor)
+    if knots.lines is not None:
+        value = knots.value(multipliers, low, high)
+    return Relaxation(value, multipliers, wait, start, steps)
 
 
 def lower_bound(problem: Problem, law: SplineLaw) -> Bound:
@@ -202,7 +204,7 @@ def problem_of(
     """The problem on the mesh of a law, its limits as they are given."""
     outer = [law.s0] if start.at_rest else [], [law.s1] if end.at_rest else []
     nodes = np.concatenate([outer[0], law.nodes, outer[1]])
-    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes, cache), cache)
+    return discretise(run, limits, nodes, start, end, highest_speed(run, limits, law, law.nodes, cache), cache, True)
 
 
 def highest_speed(

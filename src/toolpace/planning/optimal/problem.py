@@ -12,10 +12,10 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import first_guess, limit_rows, newton
 from toolpace.machine.limits import Limits
-from toolpace.motion import limit_ratios
-from toolpace.motion.usage import unexplained
+from toolpace.motion.usage import ratios_along, unexplained
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.mesh.initial_guess import highest_of
+from toolpace.planning.optimal.own_rows import LineRows, with_own_rows
 from toolpace.planning.path_at_probes import CachedPath
 from toolpace.planning.planned_run import EndState
 
@@ -82,10 +82,41 @@ class Problem(OnMesh):
         self.most = np.inf
         """What no cap on z is above."""
         self.rows = np.empty((0, 0, 3))
+        self.shift = np.empty((0, 0))
+        """(points, rows) constants of the rows; empty where all are zero."""
+        self.lines: LineRows | None = None
+        """Those of the rows whose limits depend on the speed, which `rows` and `shift` have linear in z."""
 
     def as_points(self) -> limit_rows.PointRows:
         """The rows as the kernels take them."""
-        return limit_rows.PointRows(self.basis, self.first, self.weight, self.cap, self.rows)
+        return limit_rows.PointRows(self.basis, self.first, self.weight, self.cap, self.rows, self.shift)
+
+    def take_rows(self, rows: Floats, lines: LineRows | None) -> None:
+        """Take the rows (points, 2 h, 3); those whose limits depend on the speed are linear next to rest."""
+        self.rows, self.lines = rows, lines
+        if lines is not None:
+            self.shift = np.zeros(rows.shape[:2])
+            self._make_linear(np.zeros((len(rows), len(lines.column))))
+
+    def _make_linear(self, x: Floats) -> None:
+        """Set the rows whose limits depend on the speed as they are linear at ds/dt x (points, k)."""
+        assert self.lines is not None
+        self.rows[:, self.lines.column], self.shift[:, self.lines.column] = self.lines.linear(x)
+
+    def about(self, c: Floats) -> Problem:
+        """With limits that depend on the speed made linear at the speeds of coefficients c (n,)."""
+        if self.lines is None:
+            return self
+        part = copy(self)
+        part.rows, part.shift = self.rows.copy(), self.shift.copy()
+        part._make_linear(self.lines.speeds(self.basis, c[self.first[:, None] + np.arange(4)]))
+        return part
+
+    def time(self, c: Floats) -> float:
+        """The sum of weight / sqrt(z) over the points, from coefficients c (n,) [s]."""
+        z = (self.basis[:, 0] * c[self.first[:, None] + np.arange(4)]).sum(axis=1)
+        return float((self.weight / np.sqrt(z)).sum())
+
 
     def lowered(self, by: Floats, between: Floats) -> Problem:
         """With limits divided by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between
@@ -94,6 +125,8 @@ class Problem(OnMesh):
         at_point[self.inside] = between
         part = copy(self)
         part.cap, part.rows = limit_rows.lowered(self.cap, self.rows, at_point)
+        if self.lines is not None:
+            part.lines = self.lines.times(at_point[:, 1:])
         return part
 
     def raised(self, by: float) -> Problem:
@@ -102,6 +135,8 @@ class Problem(OnMesh):
             return self
         part = copy(self)
         part.cap, part.rows = self.cap * (1.0 + by) ** 2, self.rows / (1.0 + by)
+        if self.lines is not None:
+            part.lines = self.lines.times(np.full((len(self.cap), 2), 1.0 / (1.0 + by)))
         return part
 
     def stretch(self, low: int, high: int) -> Problem:
@@ -118,18 +153,21 @@ class Problem(OnMesh):
         part.node, part.inside, part.place = self.node[mine] - low, self.inside[mine], self.place[mine]
         part.first, part.basis = as_cells(part.nodes, self.first[mine] - low, self.basis[mine])
         part.cap, part.rows, part.weight = self.cap[mine], self.rows[mine], self.weight[mine]
+        if self.lines is not None:
+            part.shift, part.lines = self.shift[mine], self.lines.at(mine)
         part.end = np.where([low == 0, high == len(self.nodes) - 1], self.end, newton.MOVING)
         return part
 
 
 def discretise(
     run: AxisRun, limits: Limits, nodes: Floats, start: EndState, end: EndState, highest: float | None = None,
-    cache: CachedPath | None = None,
+    cache: CachedPath | None = None, level: bool = False,
 ) -> Problem:  # fmt: skip
     """The rows of a run, or of a part of it, at the nodes (n,) from end to end.
 
     `highest` is the highest z that the limits allow anywhere at steady speed (default: at these nodes); `cache`, what
-    is known of the path already.
+    is known of the path already. With `level`, what has limits that depend on the speed is held at the nodes
+    themselves, not ahead of them, as the bound takes it.
     """
     inner = nodes[1 if start.at_rest else 0 : -1 if end.at_rest else len(nodes)]
     rest = (float(inner[0] - nodes[0]), float(nodes[-1] - inner[-1]))
@@ -139,7 +177,7 @@ def discretise(
     # Held at nodes only, acceleration could swing from cell to cell for ever: it is held half a cell further on.
     ahead = np.append(np.diff(inner) / 2.0, 0.0)[node]
     ahead[left] = 0.0
-    cap, scale, problem.rows = rows_at(cache or run, limits, point, ahead)
+    cap, scale, rows, lines = rows_at(cache or run, limits, point, ahead, level)
     for k, (state, place) in enumerate(((start, 0), (end, -1))):
         if state.at_rest:
             cap[place] = min(cap[place], cached_rest_cap(run, limits, inner[place], rest[k], k == 0, cache))
@@ -147,7 +185,10 @@ def discretise(
             # what the state fixes has been checked and is no row; acceleration further on is not fixed
             here = node == node[place]
             cap[here] = np.inf
-            problem.rows[here & (ahead == 0.0), : limits.half] = 0.0
+            fixed = here & (ahead == 0.0)
+            rows[fixed, : limits.half] = 0.0
+            lines = None if lines is None else lines.without_acceleration(fixed)
+    problem.take_rows(rows, lines)
     if highest is None:
         highest = max(highest_of(*scale, run.s1 - run.s0), start.speed**2, end.speed**2)
     problem.most = HIGHEST * highest
@@ -156,48 +197,29 @@ def discretise(
 
 
 def rows_at(
-    run: AxisRun | CachedPath, limits: Limits, s: Floats, ahead: Floats
-) -> tuple[Floats, tuple[Floats, Floats], Floats]:
-    """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 h, 3) at s (n,), h as `Limits.half`.
+    run: AxisRun | CachedPath, limits: Limits, s: Floats, ahead: Floats, level: bool = False
+) -> tuple[Floats, tuple[Floats, Floats], Floats, LineRows | None]:
+    """Caps on z (n,), z at steady speed and d3s/dt3 at rest (n,), and rows (n, 2 h, 3) at s (n,), h as `Limits.half`,
+    and those of them whose limits depend on the speed.
 
-    Acceleration is held `ahead` (n,) of its place.
+    Acceleration is held `ahead` (n,) of its place; where limits depend on the speed, not with `level`.
     """
     q, cap = run.with_cap(s)
     q = np.ascontiguousarray(q)
     most, *scale = first_guess.pointwise(q, limits.velocity, limits.acceleration, limits.jerk, cap)
-    rows = limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk)
+    rows, lines = limit_rows.rows_of(q, ahead, limits.acceleration, limits.jerk), None
     if limits.rows:
+        ahead = np.zeros_like(ahead) if level and limits.depend_on_speed else ahead
         q_ahead = np.ascontiguousarray(run.with_cap(s + ahead)[0]) if ahead.any() else q
-        rows = with_own_rows(rows, limits, q, q_ahead, ahead)
-    return most, (scale[0], scale[1]), rows
-
-
-def with_own_rows(rows: Floats, limits: Limits, q: Floats, q_ahead: Floats, ahead: Floats) -> Floats:
-    """(n, 2 h, 3) the rows of the joints (n, 2 m, 3) with rows of one's own behind those of either kind; rows of zeros
-    where there are fewer of one kind.
-
-    From the path (4, n, m) at the places, and `ahead` of them, where acceleration is held: z goes on by its slope.
-    """
-    m, half = len(limits), limits.half
-    out = np.zeros((len(rows), 2 * half, 3))
-    out[:, :m], out[:, half : half + m] = rows[:, :m], rows[:, m:]
-    at = {1: m, 2: half + m}
-    for own in limits.rows:
-        shares = own.shares(q_ahead if own.order == 1 else q)
-        if own.order == 1:
-            h = ahead[:, None]
-            c0, c1 = shares[:, :, 0], shares[:, :, 1]
-            shares = np.stack([c0, c1 + h * c0, h * (c1 + h * c0 / 2.0)], axis=2)
-        out[:, at[own.order] : at[own.order] + own.count] = shares
-        at[own.order] += own.count
-    return out
+        rows, lines = with_own_rows(rows, limits, q, q_ahead, ahead)
+    return most, (scale[0], scale[1]), rows, lines
 
 
 def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Floats) -> Problem:
     """The problem with the rows of further places (k,) between its nodes, ascending."""
     if not len(places):
         return problem
-    cap, _, rows = rows_at(run, limits, places, np.zeros(len(places)))
+    cap, _, rows, lines = rows_at(run, limits, places, np.zeros(len(places)))
     cell = np.searchsorted(problem.nodes, places, side="right") - 1
     is_new = limit_rows.order_with(problem.node, problem.inside, problem.place, cell, places) >= len(problem.node)
     at, at_new = np.flatnonzero(~is_new), np.flatnonzero(is_new)
@@ -212,7 +234,12 @@ def with_rows_between(problem: Problem, run: AxisRun, limits: Limits, places: Fl
     more.inside, more.place = merged(problem.inside, True), merged(problem.place, places)
     more.basis = merged(problem.basis, cubic_spline.basis_between(problem.nodes, cell, places))
     more.cap = merged(problem.cap, np.minimum(cap, problem.most))
-    more.rows = merged(problem.rows, rows)
+    if problem.lines is None or lines is None:
+        more.rows = merged(problem.rows, rows)
+    else:
+        of_points = [merged(old, new) for old, new in zip(problem.lines[2:], lines[2:])]
+        both = LineRows(lines.column, lines.is_jerk, *of_points)
+        more.take_rows(merged(problem.rows, rows), both)
     # both sides of a break are one place
     new = np.concatenate([[True], np.diff(more.place) > 0.0])
     own = np.cumsum(new) - 1
@@ -337,7 +364,11 @@ def rest_caps_by_limit(
     state = np.stack([rest + sign * third * t**3 / 6.0, third * t**2 / 2.0, sign * third * t, np.full(len(t), third)])
     # rounded, the node could lie beyond a break that is there, and the breaks on the other side of themselves
     state[0, : len(share)][share == 1.0], state[0, len(share) :] = node, np.tile(breaks, 2)
-    ratios = np.maximum(limit_ratios(run, limits, state, side), 1e-100)
+    ratios, path = ratios_along(run, limits, state, side)
+    ratios = np.maximum(ratios, 1e-100)
     for order, power in enumerate(REST_POWERS):
         ratios[:, limits.orders == order] **= -power
+    for column, rows in enumerate(limits.rows, len(limits.names) - len(limits.rows)):
+        if rows.lines is not None:
+            ratios[:, column] = rows.most_z(path, state[1], rows.values(path, state))
     return ratios

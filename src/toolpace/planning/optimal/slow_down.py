@@ -83,7 +83,11 @@ def row_motion(rows: Rows, path: Floats, state: Floats) -> Floats:
     """(3, n, count) velocity, acceleration and jerk of joints that rows of one's own would be the limits of, 1 of
     acceleration or of jerk, as far as a slow-down changes them."""
     v, a, j = (state[i][:, None] for i in (1, 2, 3))
-    c0, c1, c2 = np.moveaxis(rows.shares(path), 2, 0)
+    shares = rows.shares(path)
+    if rows.lines is not None:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares = np.nan_to_num(shares / rows.limits_at(path, state[1]).min(axis=0)[:, :, None])
+    c0, c1, c2 = np.moveaxis(shares, 2, 0)
     if rows.order == 1:
         return np.stack([2.0 * c1 * v, c0 * v * v + 2.0 * c1 * a, np.zeros_like(c0)])
     first = 2.0 * c2

@@ -7,6 +7,9 @@ k times the speed:  z, z' and z'' are k^2 times as much, jerk is k^3 times as mu
   repeat until k = 1
       the ends at k times their speed:  solve, from the last answer at the new speed
       found: k grows, to twice as much at most;   not found: it grows by less
+
+Limits that depend on the speed are made linear at the speeds of the start, from inside; then at those of what is found,
+until that takes no less time (successive convex approximation; Marks and Wright 1978).
 """
 
 from __future__ import annotations
@@ -48,6 +51,9 @@ GROWTH = 1.5
 """Power by which that grows after a solve that found a way; after one that did not, its root is taken."""
 MOST_TRIES, MOST_IN_VAIN = 24, 4
 """Solves after which no way is looked for, in all and of those that found none: each may take its most steps."""
+SETTLED, MOST_LINEAR = 1e-7, 30
+"""Share of the time that a solve gains with limits made linear anew, below which the next would gain nothing, and the
+most of such solves."""
 LOSS, SPREAD = 0.03, 0.03
 """How a solve starts: the last answer, so much slower, and its first gap relative to the duration."""
 
@@ -115,6 +121,29 @@ class Attempt:
 
 
 def solve(problem: Problem, c: Floats, spread: float, once: bool = False, idle: float = 0.0) -> Floats:
+    """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
+
+    `once` and `idle` are as `solve_linear` has them. Limits that depend on the speed are made linear at the speeds of
+    c, and then of what is found, which lies within them still: no solve but the first can end slower than it began.
+    """
+    found = solve_linear(problem.about(c), c, spread, once, idle)
+    if problem.lines is None:
+        return found
+    least = problem.time(found)
+    for _ in range(MOST_LINEAR):
+        try:
+            again = solve_linear(problem.about(found), slower(problem, found, LOSS), SPREAD, once=True)
+        except Stalled:
+            break
+        before, least = least, min(problem.time(again), least)
+        if least < before:
+            found = again
+        if least >= (1.0 - SETTLED) * before:
+            break
+    return found
+
+
+def solve_linear(problem: Problem, c: Floats, spread: float, once: bool = False, idle: float = 0.0) -> Floats:
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
     A start from which the core does not come to its end is followed by slower ones, between two rests at last by one
@@ -237,7 +266,7 @@ def solve_whole(problem: Problem, c: Floats, spread: float, idle: float = 0.0) -
 def from_lower_boundary_speeds(problem: Problem, c: Floats) -> Floats | None:
     """Coefficients within the limits, by a start c; None where no way was found."""
     begin = pinned(problem, c.copy())
-    inside = well_inside(problem, begin)
+    inside = well_inside(problem.about(begin), begin)
     if not (inside > 0.0).all():
         return None
     speed, faster = float(np.sqrt(inside.max() / begin.max())), FASTER
@@ -257,7 +286,7 @@ def from_lower_boundary_speeds(problem: Problem, c: Floats) -> Floats | None:
 
 def found_at(problem: Problem, speed: float, start: Floats, first_gap: float) -> Floats | None:
     """Coefficients within the limits with the ends at this share of their speed; None where none were found."""
-    attempt = attempted(with_ends_at(problem, speed), start, first_gap)
+    attempt = attempted(with_ends_at(problem, speed).about(start), start, first_gap)
     return attempt.c if attempt is not None and (attempt.optimal or attempt.holds) else None
 
 

@@ -87,8 +87,8 @@ def reach(values: Floats, change: Floats) -> float:
 
 
 def fastest(stretch: Stretch, x: Floats, free: Bools, share: float = 1.0) -> Floats | None:
-    """Coefficients (slots, 6) of the fastest change from x on, of which only the slots marked `free` (slots,) move,
-    within a `share` of the usual tube; None where the method does not get there."""
+    """Coefficients (slots, 6) of the fastest change of a stretch from x on, of which only the slots marked `free`
+    (slots,) move, within a `share` of the usual tube; None where the method does not get there."""
     # what is not finite ends the method, and is told by that
     with np.errstate(all="ignore"):
         work = Work(stretch, free, x, share)
@@ -106,9 +106,8 @@ class Work:
 
     def __init__(self, stretch: Stretch, free: Bools, x: Floats, share: float) -> None:
         self.stretch = stretch
-        self.slots = slice(stretch.low, stretch.low + stretch.cells + SLOT - 1)
-        fixed = np.repeat(~free[self.slots, None], SLOT, axis=1)
-        fixed[:, GROUPS[1]] |= stretch.still[self.slots]
+        fixed = np.repeat(~free[:, None], SLOT, axis=1)
+        fixed[:, GROUPS[1]] |= stretch.still
         self.fixed = fixed.ravel()
         self.x = eased(x, free)
         now = stretch.at(x)
@@ -156,14 +155,13 @@ class Work:
         def toward(mu: float, second: list[Floats | float]) -> tuple[Floats, list[tuple[Floats, Floats]], float, float]:
             right = self._right(mu, rooms, second)
             right[self.fixed] = 0.0
-            move = np.zeros_like(self.x)
-            move[self.slots] = cho_solve_banded((factor, True), right, check_finite=False).reshape(-1, SLOT)
+            move = cho_solve_banded((factor, True), right, check_finite=False).reshape(-1, SLOT)
             changes = [
                 side.step(mu, room, moved, each)
                 for side, room, moved, each in zip(self.sides, rooms, self._moved(move), second)
             ]
             primal = min(reach(side.slack, change[0]) for side, change in zip(self.sides, changes))
-            primal = min(primal, reach(0.5 * self.now.z, self.stretch.at(move).z - 1.0))
+            primal = min(primal, reach(0.5 * self.now.z, self.stretch.pace_moved(move)))
             return move, changes, primal, min(reach(s.multiplier, c[1]) for s, c in zip(self.sides, changes))
 
         _, changes, primal, dual = toward(0.0, [0.0, 0.0, 0.0])
@@ -195,7 +193,7 @@ class Work:
         band = np.zeros((len(self.fixed), WIDTH))
         band[:, 0] = HELD
         bend = 0.75 * stretch.weight * self.now.z**-2.5
-        kernel.matrix(stretch.places, self.now.felt, weight, bend, balls, moment, stretch.low, band)
+        kernel.matrix(stretch.places, self.now.felt, weight, bend, balls, moment, band)
         fix(band, self.fixed)
         return band
 
@@ -205,8 +203,8 @@ class Work:
         above, below, ball = (side.share(mu, room, each) for side, room, each in zip(self.sides, rooms, second))
         push = np.concatenate([ball[:, k, None] * self.now.force[:, g] for k, g in enumerate(GROUPS)], axis=1)
         pull = -0.5 * stretch.weight * self.now.z**-1.5
-        out = np.zeros((stretch.cells + SLOT - 1, SLOT))
-        kernel.gradient(stretch.places, self.now.felt, above - below, pull, stretch.tube.balls, push, stretch.low, out)
+        out = np.zeros_like(self.x)
+        kernel.gradient(stretch.places, self.now.felt, above - below, pull, stretch.tube.balls, push, out)
         return -out.ravel()
 
     def _moved(self, move: Floats) -> tuple[Floats, Floats, Floats]:

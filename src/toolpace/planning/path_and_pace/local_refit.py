@@ -125,7 +125,8 @@ def changed_run(
     if len(fitted.breaks) <= FEWEST:
         return None
     also = fitted.begin + fitted.scale[0] * fitted.line.s
-    x, stages = np.zeros((slots_of(fitted.breaks), SLOT)), windows(slots_of(fitted.breaks), fitted.care.seams)
+    x = np.zeros((slots_of(fitted.breaks), SLOT))
+    stages = [where_time_is_lost(fitted, stage) for stage in windows(len(x), fitted.care.seams)]
     for repair in range(REPAIRS):
         part = progress.part(1.0 - 0.5**repair, 1.0 - 0.5 ** (repair + 1))
         change(fitted, x, stages, also, NARROWER**repair, workers, part)
@@ -143,6 +144,25 @@ def changed_run(
         also = np.union1d(also, astray)
         stages = [about(stage, fitted, astray) for stage in stages]
     return None
+
+
+def where_time_is_lost(fitted: FittedRun, stage: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The fewest windows that hold a share of the time which the motion loses below the speed that the caps and the
+    velocity limits of the joints allow: where it is at that speed, no change makes it faster."""
+    if not stage or fitted.care.covered == 1.0:
+        return stage
+    joints, cap = fitted.joints.with_cap(fitted.breaks)
+    velocity = np.asarray(fitted.machine.limits.velocity)
+    with np.errstate(divide="ignore"):
+        allowed = np.minimum(cap, (velocity / np.abs(joints[1])).min(axis=1))
+    slower = np.maximum(1.0 - fitted.law.at(fitted.times)[1] / allowed, 0.0)
+    lost = np.append(0.0, np.cumsum(0.5 * (slower[1:] + slower[:-1]) * np.diff(fitted.times)))
+    low, high = np.transpose(stage)
+    cells = len(lost) - 1
+    of_window = lost[np.minimum(high, cells)] - lost[np.maximum(low - SLOT + 1, 0)]
+    order = np.argsort(-of_window, kind="stable")
+    count = int(np.searchsorted(np.cumsum(of_window[order]), fitted.care.covered * of_window.sum())) + 1
+    return [stage[k] for k in sorted(order[:count])]
 
 
 def about(stage: list[tuple[int, int]], fitted: FittedRun, places: Floats) -> list[tuple[int, int]]:
@@ -166,12 +186,12 @@ def change(
 
     def solve(part: tuple[int, int]) -> None:
         low, high = part
-        free = np.zeros(count, dtype=np.bool_)
-        free[low:high] = True
-        first, last = max(low - SLOT + 1, 0), min(high, count - SLOT + 1)
-        found = fastest(Stretch(fitted, first, last, also), x, free, share)
+        stretch = Stretch(fitted, max(low - SLOT + 1, 0), min(high, count - SLOT + 1), also)
+        moves = np.arange(count)[stretch.slots]
+        free = (moves >= low) & (moves < high)
+        found = fastest(stretch, x[stretch.slots], free, share)
         if found is not None:
-            x[low:high] = found[low:high]
+            x[low:high] = found[free]
 
     for stage, part in zip(stages, progress.split([len(stage) for stage in stages])):
         workers.each(solve, stage, part)
@@ -189,11 +209,14 @@ def windows(count: int, seams_too: bool) -> list[list[tuple[int, int]]]:
 
 
 def with_change(fitted: FittedRun, x: Floats) -> SplineRun:
-    """The run with the path's part of the change."""
-    run, breaks = fitted.run, fitted.breaks
+    """The run with the path's part of the change, with the knots of the run and those of cells that it moves."""
+    run = fitted.run
+    moved = np.convolve(np.any(x[:, :5] != 0.0, axis=1), np.ones(SLOT), "valid") > 0.5
+    wanted = np.append(True, moved) | np.append(moved, True) | np.isin(fitted.breaks, run.breaks)
+    breaks = fitted.breaks[wanted]
     cell = np.clip(np.searchsorted(run.breaks, breaks[:-1], side="right") - 1, 0, len(run.breaks) - 2)
     old, ahead = run.coefficients[cell], (breaks[:-1] - run.breaks[cell])[:, None]
-    padded = np.concatenate([np.repeat(breaks[0], 5), breaks, np.repeat(breaks[-1], 5)])
+    padded = np.concatenate([np.repeat(breaks[0], 5), fitted.breaks, np.repeat(breaks[-1], 5)])
     change = x[:, :5] * fitted.scale
     taylor = [
         sum(comb(i, k) * old[:, i] * ahead ** (i - k) for i in range(k, 6))

@@ -37,6 +37,8 @@ NUDGE = 1e-4
 """By which coordinates are moved to see what joints do [m or rad]."""
 SLOT = kernel.SLOT
 """Unknowns of a slot, and slots of a cell."""
+PACE_SLOTS = np.arange(1, 5)
+"""Those of a cell that its pace is made of."""
 GROUPS = slice(0, 3), slice(3, 5)
 """Columns of tip and turn: a ball each."""
 
@@ -96,21 +98,22 @@ class Tube:
             metric[:, :3, :3] = half.metric(at)
         metric[:, 3:, 3:] = turn_metric(rotary[0] / fitted.scale[4], float(fitted.scale[4]), fitted.machine)
         start = np.searchsorted(cell, np.arange(high - low + 1))
-        self.balls = kernel.Balls(low + cell, start, local_basis(fitted.breaks, 5, s, 0), metric)
+        self.balls = kernel.Balls(cell, start, local_basis(fitted.breaks, 5, s, 0), metric)
 
     def moved(self, move: Floats) -> Floats:
-        """(n, 5) the part of the path in a move (slots, 6)."""
+        """(n, 5) the part of the path in a move (slots, 6) of its slots."""
         there = move[self.balls.first[:, None] + np.arange(SLOT)][:, :, :5]
         return np.asarray(np.einsum("nk,nkc->nc", self.balls.basis, there))
 
 
 class Stretch:
-    """The cells low to high of a run, at whose places limits are rows."""
+    """The cells low to high of a run, at whose places limits are rows; its slots are counted from `low` on."""
 
     def __init__(self, fitted: FittedRun, low: int, high: int, also: Floats) -> None:
         breaks, times = fitted.breaks[low : high + 1], fitted.times[low : high + 1]
-        self.low, self.cells = low, high - low
-        self.care, each, self.still = fitted.care, fitted.care.places, fitted.still
+        self.slots = slice(low, high + SLOT - 1)
+        """Those of the run."""
+        self.care, each, self.still = fitted.care, fitted.care.places, fitted.still[self.slots]
         t = (times[:-1, None] + np.diff(times)[:, None] * (np.arange(each) + 0.5) / each).ravel()
         self.weight = np.repeat(np.diff(times) / each, each)
         """(n,) time of each place [s]."""
@@ -121,7 +124,7 @@ class Stretch:
         tip, rotary = in_time(jet.tip, state), in_time(jet.rotary, state)
         limits, cap = fitted.machine.limits, fitted.joints.speed_cap(s)
         self.places = kernel.Places(
-            first=low + np.repeat(np.arange(self.cells), each),
+            first=np.repeat(np.arange(high - low), each),
             basis=by_place(in_time(np.stack([local_basis(fitted.breaks, 5, s, order) for order in range(4)]), state)),
             pace=by_place(np.stack([local_basis(fitted.times, 3, t, order) for order in range(3)])),
             moved=by_place(moves(fitted.machine, tip, rotary) * fitted.scale),
@@ -138,6 +141,11 @@ class Stretch:
         kernel.feel(self.places, x, felt)
         off = self.tube.off + self.tube.moved(x)
         return State(felt, off, np.einsum("ncd,nd->nc", self.tube.balls.metric, off))
+
+    def pace_moved(self, move: Floats) -> Floats:
+        """(n,) the part of the pace in a move (slots, 6)."""
+        there = move[self.places.first[:, None] + PACE_SLOTS, 5]
+        return np.asarray(np.einsum("nk,nk->n", self.places.pace[:, 0], there))
 
     def rows_moved(self, now: State, move: Floats) -> Floats:
         """(n, 3 m + 1) how what is used changes with a move (slots, 6), to the first order."""
@@ -223,10 +231,12 @@ class EffortSettings(NamedTuple):
     """After which it ends in any case."""
     seams: bool
     """Whether windows over the seams of the others follow."""
+    covered: float
+    """Share of the time lost below the caps on the speed that the windows which are changed hold."""
 
 
-THOROUGH = EffortSettings(0.08, 4, 1e-2, 60, True)
+THOROUGH = EffortSettings(0.08, 4, 1e-2, 60, True, 1.0)
 """All that is to be had, nearly."""
-QUICK = EffortSettings(0.08, 2, 0.1, 14, False)
+QUICK = EffortSettings(0.08, 2, 0.1, 14, False, 0.9)
 """Most of it for a tenth of the time: between its places limits are passed a little, which the plan of the path
 mends."""

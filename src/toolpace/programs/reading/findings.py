@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from toolpace.common.errors import ProgramError, printable
@@ -77,16 +78,20 @@ class Findings:
         """What was taken for granted, a sentence each, in the order of the program."""
         return tuple(self._assumed)
 
-    @property
-    def assumptions_of_meaning(self) -> tuple[str, ...]:
-        """Those that speak of words that are read, and not of skipped ones."""
-        skipped = {_skips(refusal) for refusal in self.refusals}
+    def assumptions_without(self, refusals: Iterable[Refusal]) -> tuple[str, ...]:
+        """Those that do not say of one of these refusals that it is skipped."""
+        skipped = {_skips(refusal) for refusal in refusals}
         return tuple(sentence for sentence in self._assumed if sentence not in skipped)
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
         """Refused words, each once, in the order of their first lines."""
         return tuple(sorted(self._refusals.values(), key=lambda refusal: refusal.line))
+
+    def refusals_under(self, skip_unknown: bool, lenient: bool) -> tuple[Refusal, ...]:
+        """Those that end the reading: none with `skip_unknown`; with `lenient` not what is read, and stops the control.
+        """
+        return tuple(each for each in self.refusals if not (skip_unknown or (lenient and each.certain)))
 
     def ignored(self, word: str) -> None:
         """Count a word that has no meaning for motion."""
@@ -114,14 +119,11 @@ class Findings:
 
         lenient: so is what is read, and stops the control.
         """
-        refusals = self.refusals
-        for refusal in refusals:
-            if skip_unknown or (lenient and refusal.certain):
+        refusals = self.refusals_under(skip_unknown, lenient)
+        ending = set(refusals)
+        for refusal in self.refusals:
+            if refusal not in ending:
                 self.assumed(_skips(refusal))
-        if skip_unknown:
-            return
-        if lenient:
-            refusals = tuple(refusal for refusal in refusals if not refusal.certain)
         if len(refusals) == 1:
             (only,) = refusals
             times = f" (it stands {only.count} times)" if only.count > 1 else ""

@@ -159,15 +159,16 @@ def inspect_source(
         best = dataclasses.replace(_read(source, best.machine, request, in_doubt), fault=best.fault)
     runs = tuple(r.machine.name for r in readings if r.machine is not None and r.fault is None)
     name = found.controller.name if found.controller is not None else found.dialect
+    refusals = best.findings.refusals_under(options.skip_unknown, options.lenient)
     inspection = Inspection(
         program=source.name,
         dialect=name,
         reason=found.reason,
         blocks=sum(1 for line in source.lines if line.strip()),
         ignored=dict(best.findings.skipped),
-        refused=_refused(best, options, source),
+        refused=_refused(best, refusals, source),
         needs=needs,
-        assumed=best.findings.assumptions if options.skip_unknown else best.findings.assumptions_of_meaning,
+        assumed=best.findings.assumptions_without(refusals),
         read_on=best.machine.name if best.machine is not None and found.dialect == CONTROLS else "",
         machines=runs,
         not_on={r.machine.name: _why_not(r, best, source) for r in readings if r.machine is not None and r.fault},
@@ -182,16 +183,18 @@ def _readings(
     source: Source, options: ReadOptions, machines: Sequence[Candidate], found: Recognised, request: _Request
 ) -> list[_Reading]:
     """The program on each machine; what is for no controller, or ends on none, is read but once."""
-    lenient = dataclasses.replace(options, skip_unknown=True)
+    skipping = dataclasses.replace(options, skip_unknown=True)
     if found.dialect != CONTROLS or not machines:
-        once = _read(source, None, request, lenient)
+        once = _read(source, None, request, skipping)
         if once.toolpath is None or not machines:
             return [once]
         return [_followed(dataclasses.replace(once, machine=machine), request.follow) for machine in machines]
     readings: list[_Reading] = []
     for machine in machines:
         endless = next((each for each in readings if isinstance(each.fault, EndlessError)), None)
-        reading = dataclasses.replace(endless, machine=machine) if endless else _read(source, machine, request, lenient)
+        reading = (
+            dataclasses.replace(endless, machine=machine) if endless else _read(source, machine, request, skipping)
+        )
         readings.append(_followed(reading, request.follow))
     return readings
 
@@ -231,12 +234,11 @@ def _followed(reading: _Reading, follow: Follow) -> _Reading:
     return reading
 
 
-def _refused(reading: _Reading, options: ReadOptions, source: Source) -> tuple[Refusal, ...]:
-    """Words that are not read, and the error that ended the reading."""
-    found = () if options.skip_unknown else reading.findings.refusals
+def _refused(reading: _Reading, found: tuple[Refusal, ...], source: Source) -> tuple[Refusal, ...]:
+    """The words that were found to be refused, and the error that ended the reading."""
     if reading.toolpath is None and reading.fault is not None:
-        found = (*found, _refusal(reading.fault, source.name))
-    return tuple(found)
+        return (*found, _refusal(reading.fault, source.name))
+    return found
 
 
 def _refusal(error: ToolpaceError, program: str) -> Refusal:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.limit_curves import CurvedLimit
+from toolpace.machine.limits import KINDS, MOTORS, Limits
 from toolpace.motion.sampling import each_block
 from toolpace.motion.setpoints import Block, SetPoints, SetPointSource
 from toolpace.motion.trajectory import Trajectory
@@ -243,9 +245,10 @@ def extremes(values: Floats, most: int = POINTS) -> Floats:
     return _in_order(low, high, values[edges[:-1]] > values[np.maximum(edges[1:] - 1, edges[:-1])])
 
 
-def limit_names(joints: tuple[str, ...]) -> list[str]:
-    """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..."""
-    return ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in joints)]
+def limit_names(joints: tuple[str, ...], curves: Sequence[CurvedLimit] = ()) -> list[str]:
+    """What can bind, as `Trajectory.limited_by` names it: "feed", "velocity X", ..., then what falls with the speed."""
+    of_joints = [f"{kind} {joint}" for kind in (*KINDS, *MOTORS) for joint in joints]
+    return ["feed", *of_joints, *(curve.name for curve in curves)]
 
 
 def binding(trajectory: Trajectory, t: Floats) -> Ints:
@@ -254,9 +257,17 @@ def binding(trajectory: Trajectory, t: Floats) -> Ints:
     motion = trajectory.at(t)
     limits = trajectory.limits
     shares = [np.abs(v) / getattr(limits, kind) for v, kind in zip((motion.qd, motion.qdd, motion.qddd), KINDS)]
-    ratios = np.column_stack((_feed_share(trajectory, t), *shares))
+    names = limit_names(trajectory.joints, limits.constants.curves)
+    moment, state = np.stack([motion.q, motion.qd, motion.qdd, motion.qddd]), np.zeros((4, len(t)))
+    state[1] = 1.0  # with the time as the parameter of the path
+    own = {names.index(rows.name): rows.ratio(moment, state) for rows in limits.constants.rows if rows.name in names}
+    for curve in limits.constants.curves:
+        j, value = limits.joints.index(curve.joint), motion.qdd if curve.kind == "acceleration" else motion.qddd
+        own[names.index(curve.name)] = np.abs(value[:, j]) / curve.at(motion.qd[:, j], value[:, j])
+    ratios = np.column_stack((_feed_share(trajectory, t), *shares, *own.values()))
+    number = np.append(np.arange(1 + len(KINDS) * len(limits)), list(own)).astype(np.int64)
     most = ratios.argmax(axis=1)
-    found: Ints = np.where(ratios[np.arange(len(t)), most] >= BINDING, most, NOTHING)
+    found: Ints = np.where(ratios[np.arange(len(t)), most] >= BINDING, number[most], NOTHING)
     return found
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
 from toolpace.common.units import format_length, format_time
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import MACHINE
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
@@ -73,7 +73,7 @@ def report_page(
     program = printable((figures.program if figures is not None else "") or source or "motion")
     where = (figures.machine if figures is not None else "") or (machine.name if machine is not None else "")
     title = f"{program} on {where}" if where else program
-    palette = colours(setpoints.joints)
+    palette = colours(setpoints.joints, trajectory.limits.constants.curves)
     fields = {
         "program": escape(program),
         "machine": escape(where),
@@ -99,7 +99,9 @@ def _verdict(verification: Verification | None) -> str:
     if verification is None:
         return '<span class="badge quiet">not verified</span>'
     if verification.ok:
-        return f'<span class="badge good">verified · {len(verification.checks)} checks</span>'
+        checks = len(verification.checks) - len(verification.unjudged)
+        unjudged = "".join(f" · not judged: {escape(each)}" for each in verification.unjudged)
+        return f'<span class="badge good">verified · {checks} checks{unjudged}</span>'
     return f'<span class="badge bad">verification failed · {len(verification.findings)} findings</span>'
 
 
@@ -199,6 +201,8 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
     usage, limits = trajectory.usage(), trajectory.limits
     per = {"velocity": "/s", "acceleration": "/s²", "jerk": "/s³"}
     head = "".join(f"<th>{kind.capitalize()}</th>" for kind in KINDS)
+    motors = {rows.name.partition(" ")[2]: rows for rows in limits.rows if rows.name.partition(" ")[0] in MOTORS}
+    head += "<th>Torque, force</th>" if motors else ""
     rows = []
     for j, joint in enumerate(trajectory.joints):
         scale, unit = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "°")}.get(units[j], (1.0, ""))
@@ -206,13 +210,23 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
         for kind in KINDS:
             share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
             text = f"of {four_digits(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
-            cells.append(
-                f'<td><div class="use"><span class="meter"><span style="width:{100.0 * min(share, 1.0):.1f}%;'
-                f'background:{joint_colour(j)}"></span></span><b>{percent(share)}</b></div><small>{text}</small></td>'
-            )
+            cells.append(_used(j, share, text))
+        if joint in motors:
+            motor = motors[joint]
+            cells.append(_used(j, usage.rows[motor.name], f"of {four_digits(motor.limit)} {motor.unit}"))
+        elif motors:
+            cells.append("<td><small>no limit</small></td>")
         rows.append(f'<tr><th><i style="background:{joint_colour(j)}"></i>{escape(joint)}</th>{"".join(cells)}</tr>')
     feed = f'<p class="feed">Feed: <b>{percent(usage.feed)}</b> of what the program allows, at its peak.</p>'
     return f'<table class="usage"><thead><tr><th></th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>{feed}'
+
+
+def _used(joint: int, share: float, text: str) -> str:
+    """A cell of that table."""
+    return (
+        f'<td><div class="use"><span class="meter"><span style="width:{100.0 * min(share, 1.0):.1f}%;'
+        f'background:{joint_colour(joint)}"></span></span><b>{percent(share)}</b></div><small>{text}</small></td>'
+    )
 
 
 def _checks(verification: Verification | None) -> str:
@@ -223,7 +237,7 @@ def _checks(verification: Verification | None) -> str:
     for row in sorted(verification.rows(), key=lambda row: row[-1] == "ok"):
         *cells, verdict = (escape(cell) for cell in row)
         shown = "".join(f"<td>{cell}</td>" for cell in cells)
-        rows.append(f'<tr class="{"ok" if verdict == "ok" else "failed"}">{shown}<td>{verdict}</td></tr>')
+        rows.append(f'<tr class="{"failed" if verdict == "FAILED" else "ok"}">{shown}<td>{verdict}</td></tr>')
     fold = "" if verification.ok else " open"
     return (
         f'<section class="panel"><details{fold}><summary><h2>Verification</h2><span>from {verification.set_points} '

@@ -73,7 +73,7 @@ def motion_data(
     most: int = MOST,
 ) -> dict[str, object]:
     """What player/player.js takes of one motion, its arrays put into `arrays`; `most` keyframes at the most."""
-    machine, joints = trajectory.axis_path.machine, setpoints.joints
+    machine, joints, curves = trajectory.axis_path.machine, setpoints.joints, trajectory.limits.constants.curves
     columns = min(STRIP, 4 * len(setpoints))
     strip_times = np.asarray((np.arange(columns) + 0.5) * (trajectory.duration / columns), dtype=np.float64)
     passed = passages(trajectory, setpoints, toolpath)
@@ -82,8 +82,8 @@ def motion_data(
         "duration": float(trajectory.duration),
         "joints": [{"name": name, "colour": joint_colour(j)} for j, name in enumerate(joints)],
         "channels": [_channel(channel, arrays) for channel in channels],
-        "limits": [limit_words(name) for name in limit_names(joints)],
-        "colours": list(colours(joints).values()),
+        "limits": [limit_words(name) for name in limit_names(joints, curves)],
+        "colours": list(colours(joints, curves).values()),
         "strip": arrays.add(binding(trajectory, strip_times)),
         "passages": {
             # not after it begins, so that at the moment at which one ends the next is passed

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import colorsys
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from toolpace.machine.limits import KINDS
+from toolpace.machine.limit_curves import CURVE, CurvedLimit
+from toolpace.machine.limits import KINDS, MOTORS
 
 WORTH_A_WORD = 1e-3
 """Gap from which its largest parts are located."""
@@ -24,7 +25,9 @@ NEUTRAL = "#c3c9d2"
 """Colour of what is no limit."""
 _JOINTS = ("#2f6fed", "#f0862b", "#8a4fd8", "#d6336c", "#0c9bb3", "#7a8a1a", "#8c5a3c", "#56657a")
 """Colours of the joints, in turn."""
-_LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0}
+OF_A_CURVE = 0.16
+"""How much white is mixed into the colour of a joint's limit that falls with its speed."""
+_LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0, "force": 0.16, "torque": 0.16}
 """How much white is mixed into the colour of a joint's limit."""
 
 
@@ -33,13 +36,15 @@ def joint_colour(joint: int) -> str:
     return _JOINTS[joint % len(_JOINTS)]
 
 
-def colours(joints: tuple[str, ...]) -> dict[str, str]:
+def colours(joints: tuple[str, ...], curves: Sequence[CurvedLimit] = ()) -> dict[str, str]:
     """Name of each limit to its colour: the hue says which joint, the paleness which kind (jerk is the
     strongest)."""
     found = {"feed": FEED}
-    for kind in KINDS:
+    for kind in (*KINDS, *MOTORS):
         for j, joint in enumerate(joints):
             found[f"{kind} {joint}"] = _paler(joint_colour(j), _LIGHTER[kind])
+    for curve in curves:
+        found[curve.name] = _paler(joint_colour(joints.index(curve.joint)), OF_A_CURVE)
     return found
 
 
@@ -55,7 +60,9 @@ def limit_words(name: str) -> str:
     whole = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
     of_cut = name.capitalize()
-    return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in KINDS else of_cut)
+    if kind in KINDS and joint.startswith(CURVE):
+        return f"{kind.capitalize()} of {joint.removeprefix(CURVE)} at its speed"
+    return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in (*KINDS, *MOTORS) else of_cut)
 
 
 def savings(prices: Mapping[str, float], duration: float) -> dict[str, tuple[float, float]]:

@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.judge.cut import CutPromise
+    from toolpace.judge.cut.stocks import Stock
     from toolpace.machine.machine import Machine
     from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.stock_figures import StockFigures
     from toolpace.programs.toolpath import ToolPath
 
 CUT_LIMITS = "cut_limits.npz"
@@ -111,28 +113,38 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     return stream.getvalue()
 
 
-def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise | None:
-    """What a plan promises of its cut, as the judge takes it; None where the stock is a mesh, which is not judged."""
-    from toolpace.cutting.stock.solids import body_of
-    from toolpace.judge.cut import CutPromise, round_stock
+def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise:
+    """What a plan promises of its cut, as the judge takes it."""
+    from toolpace.judge.cut import CutPromise
     from toolpace.machine.cutting_tool import Coefficients
 
-    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
-    stock = setup.workpiece.stock or toolpath.workpiece.stock
-    if stock is None:
-        return None
-    body = body_of(stock.solid, machine, setup)
-    if body.box is None and body.cylinder is None:
-        return None
+    cell, stock = 1e-3 * record.resolution_mm, setup.workpiece.stock or toolpath.workpiece.stock
     return CutPromise(
         feeds=record.feeds,
-        stock=round_stock(body.box, body.cylinder, stock.uncertainty),
-        tools=tools,
+        stock=_largest_stock(stock, machine, setup, cell),
+        tools=[setup.figures_of(each.tool) or each.figures for each in toolpath.operations],
         limits=record.limits,
         coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
         teachers=record.teachers,
-        resolution=1e-3 * record.resolution_mm,
+        resolution=cell,
+        margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
     )
+
+
+def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp, cell: float) -> Stock | None:
+    """A stock with its uncertainty, as the judge takes it with a margin of a cell [m]; None of one that is not told, or
+    a guess."""
+    from toolpace.cutting.stock.solids import body_of
+    from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
+
+    if stock is None or stock.guessed:
+        return None
+    body = body_of(stock.solid, machine, setup)
+    if body.box is not None:
+        return box_stock(*body.box, stock.uncertainty)
+    if body.cylinder is not None:
+        return cylinder_stock(*body.cylinder, stock.uncertainty)
+    return MeshStock(body.triangles(), stock.uncertainty, cell)
 
 
 def write_cut(path: Path, data: bytes) -> None:

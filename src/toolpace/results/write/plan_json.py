@@ -13,6 +13,7 @@ import msgspec
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
 from toolpace.common.units import MILLIMETRE
+from toolpace.machine.limits import MOTORS
 from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write.cut_limits import CutLimitsRecord
 
@@ -31,7 +32,7 @@ NEARLY = 0.9
 MM3 = MILLIMETRE**3
 
 
-class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Peak value over limit; by joint where it is one's own."""
 
     feed: float
@@ -40,12 +41,17 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     jerk: dict[str, float | None]
     """Null where the acceleration jumps (planner `second-order`): no number bounds the jerk, so its limit is exceeded.
     0 where the machine has no limit of it."""
+    curves: dict[str, float] = {}
+    """Of limits that fall with the speed of their joint, by name; above stand shares of their largest values."""
+    motor: dict[str, float] = {}
+    """Of the torque or force of its motor; only joints whose machine file has a limit of it."""
 
     @property
     def worst(self) -> float:
         """The largest of all."""
         jerk = (math.inf if value is None else value for value in self.jerk.values())
-        return max(self.feed, *self.velocity.values(), *self.acceleration.values(), *jerk)
+        joints = *self.velocity.values(), *self.acceleration.values(), *jerk
+        return max(self.feed, *joints, *self.curves.values(), *self.motor.values())
 
 
 class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -274,7 +280,11 @@ def usage_record(trajectory: Trajectory) -> UsageRecord:
     """What the motion uses of the limits, at most."""
     usage = trajectory.usage()
     jerk = {joint: value if math.isfinite(value) else None for joint, value in usage.jerk.items()}
-    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk)
+    curves = {each.name for each in trajectory.limits.constants.curves}
+    of_curves = {name: value for name, value in usage.rows.items() if name in curves}
+    names = {f"{kind} {joint}": joint for joint in trajectory.joints for kind in MOTORS}
+    motor = {names[name]: value for name, value in usage.rows.items() if name in names}
+    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, of_curves, motor)
 
 
 def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:

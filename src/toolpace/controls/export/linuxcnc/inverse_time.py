@@ -277,7 +277,7 @@ class InverseTime:
 
     def _use(self, motion: PlannedMotion, joints: Floats, period: float) -> float:
         """Largest share of a limit, by differences of joints as they are written. Raises UsageError above 1.01."""
-        limits, factors = motion.machine.limits, motion.shop_units[1]
+        limits, factors = motion.machine.limits.largest, motion.shop_units[1]
         worst = (0.0, "")
         for order, kind in enumerate(("velocity", "acceleration", "jerk"), start=1):
             limit = getattr(limits, kind) * factors

@@ -5,6 +5,7 @@ What an option does is told where it is read, and in the built-in files; a test 
 
 from __future__ import annotations
 
+import functools
 import re
 import warnings
 from pathlib import Path
@@ -172,7 +173,8 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @classmethod
     def load(cls, name_or_path: str | Path) -> Controller:
         """A built-in controller by name, or one from a TOML file. Raises UsageError."""
-        return cls.from_toml(cls.text_of(name_or_path), str(name_or_path))
+        name = str(name_or_path)
+        return _built_in(name) if name in cls.names() else cls.from_toml(cls.text_of(name), name)
 
     @classmethod
     def text_of(cls, name_or_path: str | Path) -> str:
@@ -232,6 +234,12 @@ class Controller(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             value = float(value)
         assert isinstance(value, type(default)), name
         return value
+
+
+@functools.cache
+def _built_in(name: str) -> Controller:
+    """A built-in controller, which is frozen, made once of its file."""
+    return Controller.from_toml(Controller.text_of(name), name)
 
 
 def _upon(own: Controller, source: str) -> Controller:

@@ -30,9 +30,9 @@ from toolpace.judge.alignment import (
     turned_line,
     turned_sweep,
 )
+from toolpace.judge.alignment.sweep import Line, Sweep
 from toolpace.judge.rows import MotionRow, Stretch, joined
 from toolpace.judge.seen_motion import ways
-from toolpace.judge.sweep import Line, Sweep
 from toolpace.motion.setpoints import Block
 
 R = TypeVar("R")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
-from toolpace.judge.sweep import NEVER, Line, OutOfWorkError, Sweep
+from toolpace.judge.alignment.sweep import NEVER, Line, OutOfWorkError, Sweep
 
 WORK = 200
 """Cells that may be looked at for each pose of both rows, to find a way on from where the motion left the program."""

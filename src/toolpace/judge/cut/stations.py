@@ -1,0 +1,197 @@
+"""Whether the stations of a plan's cut, in its file, are those of its motion, with the engagement found there anew."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.judge.cut.instants import CutJudge
+from toolpace.judge.verification import Check
+
+PLACE, TILT = 1e-5, 1e-3
+"""How far a station may be from the way of the tip [m], and its axis from that of the motion."""
+DIRECTION = 1e-6
+"""By how much directions and shares of a motion may be off those that its stations tell."""
+STEEP = 0.02
+"""Share of a motion along the axis from which it is looked at what the flat of the end cuts: with less it slides."""
+IMMERSION = 0.03
+"""Share of a turn by which an engagement may be off what is in material within a cell of it, as a mean over the height;
+and by which the share of the end may be."""
+ANGLES = 120
+"""Of a turn at which the engagement of a slice is looked at."""
+MOST_SLICES = 12
+"""Of a station that are looked at."""
+File = Mapping[str, Floats | Ints]
+
+
+class Seen(NamedTuple):
+    """Of a station, slice by slice and angle by angle."""
+
+    everywhere: Bools
+    """(slices, ANGLES) whether it is in material at all places within a cell."""
+    anywhere: Bools
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise."""
+
+
+def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
+    """Those of all stations by their columns, and of some by what the tool meets there."""
+    found = [columns_check(judge, file)]
+    if found[0].ok:
+        rng = np.random.default_rng(len(file["station time"]))
+        chosen = np.unique(rng.integers(0, len(file["station time"]), stations)).tolist()
+        found += [arcs_check(judge, file, chosen), end_check(judge, file, chosen)]
+    return found
+
+
+def columns_check(judge: CutJudge, file: File) -> Check:
+    """Whether tips, axes, blocks and operations of all stations are those of the motion when it passes them, and the
+    directions those from one station to the next."""
+    name, points = "stations of the cut", judge.points
+    time, tip, axis = (np.asarray(file[f"station {each}"], dtype=np.float64) for each in ("time", "tip", "axis"))
+    row = np.clip(np.searchsorted(points.t, time), 1, len(points) - 1)
+    share = np.clip((time - points.t[row - 1]) / (points.t[row] - points.t[row - 1]), 0.0, 1.0)[:, None]
+    there, lean = (each[row - 1] + share * (each[row] - each[row - 1]) for each in (points.tip, points.axis))
+    beside = np.stack([points.block[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
+    operations = np.stack([judge.operation[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
+    # where a stretch begins its first station may be passed on the way out of a rapid, which no feed limits
+    begins = (file["engagement across"] == 0.0) & (file["engagement along"] == 0.0)
+    faults = {
+        "a station is not on the way of the tip": np.linalg.norm(there - tip, axis=1) > np.where(
+            begins, judge.promise.resolution, PLACE
+        ),
+        "the axis of a station is not that of the motion": np.linalg.norm(lean - axis, axis=1) > TILT,
+        "a station is in another block": (beside != file["station block"]).all(axis=0) & ~begins,
+        "a station is in another operation": (operations != file["station operation"]).all(axis=0) & ~begins,
+        "a direction is not that between stations": _off_direction(file, np.cumsum(judge.rapid, dtype=np.int64)[row]),
+    }
+    for words, wrong in faults.items():
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            return Check(name, 0.0, 0.0, "", False, float(time[k]), int(file["station block"][k]), note=words)
+    return Check(name, 0.0, 0.0, "", True, note=f"{len(time)} of them are those of the motion")
+
+
+def _off_direction(file: File, rapids: Ints) -> Bools:
+    """(n,) whether the direction of the feed, or the shares across and along the axis, are not those of the way from
+    the station before; the first of a stretch, behind a rapid or another operation, has none.
+
+    rapids: (n,) set-points at rapid up to each station.
+    """
+    tip, axis = file["station tip"], file["station axis"]
+    feed, across, along = (file[f"engagement {each}"] for each in ("feed_direction", "across", "along"))
+    motion = np.diff(tip, axis=0, prepend=tip[:1])
+    whole = np.linalg.norm(motion, axis=1)
+    moves = whole > 0.0
+    unit = motion / np.where(moves, whole, 1.0)[:, None]
+    lengthwise = np.einsum("nc,nc->n", unit, axis)
+    told = (across != 0.0) | (along != 0.0)
+    first = (np.diff(file["station operation"], prepend=-1) != 0) | (np.diff(rapids, prepend=0) > 0)
+    wrong = np.abs(along - lengthwise) + np.abs(across**2 + lengthwise**2 - 1.0) > DIRECTION
+    sideways = unit - lengthwise[:, None] * axis
+    wrong |= np.linalg.norm(across[:, None] * feed - sideways, axis=1) > 10.0 * DIRECTION
+    wrong |= np.abs(np.linalg.norm(feed, axis=1) - 1.0) > DIRECTION
+    off: Bools = np.where(told, wrong, moves & ~first)
+    return off
+
+
+def arcs_check(judge: CutJudge, file: File, chosen: list[int]) -> Check:
+    """Whether the arcs of some stations are in material: in each slice the angles that are told, or not, without being
+    in material anywhere, or everywhere, within a cell of it."""
+    what = "engagement of the cut"
+    worst = Check(what, 0.0, IMMERSION, "", True)
+    first = np.concatenate([[0], np.cumsum(file["engagement arcs"])]).astype(np.int64)
+    for i in chosen:
+        row = row_of(judge, float(file["station time"][i]))
+        if row is None:
+            continue
+        arcs, high = slice(first[i], first[i + 1]), float(file["engagement slice_height"][i])
+        told = told_at(*(file[f"engagement {each}"][arcs] for each in ("slice", "entry", "exit")))
+        slices = slices_of(judge, row, high, len(told))
+        said = np.zeros((len(slices), ANGLES), dtype=np.bool_)
+        known = slices < len(told)
+        said[known] = told[slices[known]]
+        off = math.inf
+        for rows in ([row], judge.rows_near(row, judge.promise.resolution)):
+            seen = seen_within(judge, rows, high, slices)
+            off = float(((said & ~seen.anywhere) | (~said & seen.everywhere)).mean())
+            if off <= IMMERSION:
+                break
+        if off > worst.value:
+            time, block = float(judge.points.t[row]), int(judge.points.block[row])
+            worst = Check(what, off, IMMERSION, "", off <= IMMERSION, time, block, note="share of a turn")
+    return worst
+
+
+def told_at(slices: Floats | Ints, entry: Floats | Ints, leave: Floats | Ints) -> Bools:
+    """(slices, ANGLES) which angles are told to be in material."""
+    found = np.zeros((int(slices.max(initial=-1)) + 1, ANGLES), dtype=np.bool_)
+    angle = (np.arange(ANGLES) + 0.5) * 2.0 * math.pi / ANGLES
+    for j, begin, end in zip(slices.tolist(), entry.tolist(), leave.tolist()):
+        found[j] |= (angle - begin) % (2.0 * math.pi) <= end - begin
+    return found
+
+
+def slices_of(judge: CutJudge, row: int, high: float, told: int) -> Ints:
+    """Which slices of a height [m] of a station are looked at: up to the last that is told or in material."""
+    surface = judge.surface(row)
+    _, top, _ = surface.shape.at(np.array([surface.top()]))
+    count = max(told, math.ceil(float(top[0]) / high), 1)
+    return np.unique(np.linspace(0, count - 1, min(count, MOST_SLICES)).round().astype(np.int64))
+
+
+def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints) -> Seen:
+    """What is in material of slices (m,) of a height [m] at set-points next to each other, from half a slice below each
+    to half of one above."""
+    everywhere = np.ones((len(slices), ANGLES), dtype=np.bool_)
+    anywhere = ~everywhere
+    for row in rows:
+        surface = judge.surface(row)
+        for share in (0.02, 0.5, 0.98):
+            height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
+            lengths = surface.shape.length_at(height)
+            everywhere &= surface.seen_at(lengths, ANGLES)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin)
+    return Seen(everywhere, anywhere)
+
+
+def end_check(judge: CutJudge, file: File, chosen: list[int]) -> Check:
+    """Whether the share of the flat end that cuts is that which the file tells, where the motion goes down."""
+    worst = Check("end of the tool in the cut", 0.0, IMMERSION, "", True)
+    for i in chosen:
+        row = row_of(judge, float(file["station time"][i]))
+        if row is None or float(file["engagement along"][i]) > -STEEP:
+            continue
+        told, shares = float(file["engagement bottom"][i]), []
+        for each in judge.rows_near(row, judge.promise.resolution):
+            shares.append(share_of_end(judge, each))
+            off = max(min(shares) - told, told - max(shares), 0.0)
+            if off <= IMMERSION:
+                break
+        # at the border of what is cut a cell is in or out
+        off -= judge.promise.resolution / max(math.pi * judge.surface(row).shape.flat, judge.promise.resolution)
+        if off > worst.value:
+            time, block = float(judge.points.t[row]), int(judge.points.block[row])
+            worst = Check(worst.what, off, IMMERSION, "", off <= IMMERSION, time, block, note="share of its area")
+    return worst
+
+
+def share_of_end(judge: CutJudge, row: int) -> float:
+    """The share of the flat of the tool's end that moves into material."""
+    surface = judge.surface(row)
+    flat = surface.shape.flat
+    if flat <= 0.0:
+        return 0.0
+    radius = flat * (np.arange(8) + 0.5) / 8
+    seen = surface.seen_at(radius, ANGLES)
+    return float((seen.mean(axis=1) * radius).sum() / radius.sum())
+
+
+def row_of(judge: CutJudge, time: float) -> int | None:
+    """The set-point at a time at which the tool moves; None where it stands or is not judged."""
+    row = int(np.clip(np.searchsorted(judge.points.t, time), 1, len(judge.points) - 2))
+    at = int(np.searchsorted(judge.moving, row))
+    return row if at < len(judge.moving) and int(judge.moving[at]) == row else None

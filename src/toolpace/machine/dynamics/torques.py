@@ -1,0 +1,180 @@
+"""Limits on the torques and forces of joints as rows along a path: from masses, or a function of one's own."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from toolpace.common.arrays import Floats, numbers
+from toolpace.common.errors import MachineError, UsageError
+from toolpace.machine.dynamics import Dynamics, TorqueTerms
+from toolpace.machine.file import MachineFile
+from toolpace.machine.limits import MOTORS
+from toolpace.machine.rows import Rows
+
+ROUNDING = 1e-6
+"""Share of the largest torque by which a function may miss what its others tell."""
+Torque = Callable[[Floats, Floats, Floats], npt.ArrayLike]
+"""Torques (n, joints) at positions, velocities and accelerations (n, joints) of the joints."""
+
+
+@dataclass(frozen=True, repr=False)
+class JointTorque(Rows):
+    """The limit on the torque or force of one joint, as a row of acceleration: weight and friction are taken off it."""
+
+    terms: _JointTerms | None = None
+
+    @classmethod
+    def of(cls, terms: _JointTerms, name: str, unit: str, limit: float) -> JointTorque:
+        """That of a joint of dynamics that are shared by all joints [N m, N]."""
+        return cls(name, unit, limit, terms, lines=_Room(terms, limit), terms=terms)
+
+    def ratio(self, q: Floats, state: Floats) -> Floats:
+        """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
+
+        Above 1 it is how much more the motion asks for than weight and friction leave, where that is more: by so much
+        it must be slower.
+        """
+        assert self.terms is not None
+        slope, square, linear, constant = self.terms.at(q)
+        _, v, a, _ = state
+        share: Floats = np.abs(slope * 2.0 * a + square * v * v + linear * v + constant) / self.limit
+        over = share > 1.0
+        if over.any():
+            share[over] = np.maximum(share[over], super().ratio(np.ascontiguousarray(q[:, over]), state[:, over]))
+        return share
+
+
+def torque_rows(
+    dynamics: Dynamics | Torque, most: npt.ArrayLike, joints: Sequence[str], linear: Sequence[bool] | None = None
+) -> tuple[Rows, ...]:
+    """Limits on the torques of joints, as `plan(..., rows=...)` takes them, by the names "torque A" and "force X".
+
+    `dynamics` is a `Dynamics`, or a function of one's own: torques (n, m) [N m, N] at positions, velocities and
+    accelerations (n, m) of the joints, quadratic in the velocities but for dry and viscous friction. `most` (m,) is the
+    largest torque of each, without sign, inf where none is held; `linear` (m,) says which joints have a force (default:
+    as the links of `dynamics` are). Raises UsageError.
+    """
+    limit = np.broadcast_to(numbers(most, "torques: most", (len(joints),), (), finite=False), len(joints))
+    if linear is None:
+        linear = [each.kind == "linear" for each in getattr(dynamics, "links", ())] or [False] * len(joints)
+    if len(linear) != len(joints):
+        raise UsageError(f"torques: dynamics of {len(linear)} joints for {len(joints)} ({', '.join(joints)})")
+    for name, figure in zip(joints, limit):
+        if not figure > 0.0:
+            raise UsageError(f"torques: that of joint {name} is {figure:g}; give a positive number (or inf)")
+    shared = _Shared(dynamics if isinstance(dynamics, Dynamics) else _Fitted(dynamics))
+    rows = []
+    for k in np.flatnonzero(np.isfinite(limit)).tolist():
+        kind, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
+        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, float(limit[k])))
+    return tuple(rows)
+
+
+def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
+    """The limits on torques and forces that a machine file names; none where it names none. Raises MachineError."""
+    joints = file.joints
+    limited = {name for name, joint in joints.items() if math.isfinite(joint.most_torque)}
+    if not limited:
+        return ()
+    dynamics = Dynamics.of_machine(file)
+    for k, (name, link) in enumerate(zip(joints, dynamics.links)):
+        carried = [dynamics.links[chain[-1]] for chain in dynamics.chains if k in chain]
+        moves = link.rotor_inertia or any(each.mass or any(each.inertia) for each in carried)
+        if name in limited and not moves:
+            raise MachineError(f"{source}: joint {name} has a limit of torque or force, and moves no mass; give mass")
+    return torque_rows(dynamics, [joint.most_torque for joint in joints.values()], list(joints))
+
+
+@dataclass(frozen=True)
+class _JointTerms:
+    """The terms of one joint's torque; as a function of rows, those of z' and z."""
+
+    shared: _Shared
+    joint: int
+
+    def at(self, q: Floats) -> tuple[Floats, ...]:
+        """Those of z', z, sqrt(z) and the constant, each (n,)."""
+        return tuple(part[:, self.joint] for part in self.shared.along(q))
+
+    def __call__(self, q: Floats) -> Floats:
+        """(n, 2) from the joints q (4, n, joints)."""
+        slope, square, _, _ = self.at(q)
+        return np.stack([slope, square], axis=1)
+
+
+@dataclass(frozen=True)
+class _Room:
+    """What weight and friction leave of a joint's limit, as lines of rows over ds/dt."""
+
+    terms: _JointTerms
+    limit: float
+
+    def __call__(self, q: Floats) -> tuple[Floats, Floats]:
+        """(n, 1, 1, 2) above and below zero: height at rest, and fall with ds/dt. Raises UsageError without room."""
+        _, _, linear, constant = self.terms.at(q)
+        if not (np.abs(constant) < self.limit).all():
+            at = int(np.argmax(np.abs(constant)))
+            raise UsageError(
+                f"torque of joint {self.terms.joint + 1}: weight and friction take {abs(constant[at]):.6g} of "
+                f"{self.limit:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger motor, or a "
+                "weight balance"
+            )
+        lines = np.stack([np.stack([self.limit - constant, linear], 1), np.stack([self.limit + constant, -linear], 1)])
+        above, below = lines[:, :, None, None]
+        return above, below
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """The coefficients of all joints at the places that were asked for last: each joint's limit asks for them."""
+
+    dynamics: Dynamics | _Fitted
+    _last: threading.local = field(default_factory=threading.local, init=False, compare=False, repr=False)
+
+    def along(self, q: Floats) -> TorqueTerms:
+        """As `Dynamics.along`."""
+        last: tuple[Floats, TorqueTerms] | None = getattr(self._last, "found", None)
+        if last is None or last[0].shape != q.shape or not np.array_equal(last[0], q):
+            last = self._last.found = q.copy(), self.dynamics.along(q)
+        return last[1]
+
+    def __reduce__(self) -> tuple[type[_Shared], tuple[Dynamics | _Fitted]]:
+        # what is remembered stays behind
+        return type(self), (self.dynamics,)
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """The coefficients of a function for torques: differences of what it tells at some velocities and accelerations."""
+
+    torque: Torque
+
+    def along(self, q: Floats) -> TorqueTerms:
+        """As `Dynamics.along`. Raises UsageError for a function that is no torque of rigid bodies."""
+        place, first, second = q[:3]
+        still = np.zeros_like(first)
+        speeds = (still, still, still, first, -first, 2.0 * first, 3.0 * first)
+        gains = (still, first, second, still, still, still, still)
+        n, joints = place.shape
+        moment = (np.concatenate(each) for each in ((place,) * 7, speeds, gains))
+        found = np.asarray(self.torque(*moment), dtype=float)
+        if found.shape != (7 * n, joints):
+            raise UsageError(
+                f"torques: the function gives shape {found.shape} for {7 * n} places; it must be {(7 * n, joints)}"
+            )
+        if not np.isfinite(found).all():
+            raise UsageError(f"torques: the function gives {found[~np.isfinite(found)][0]}; give finite numbers")
+        rest, by_first, by_second, forth, back, twice, thrice = found.reshape(7, n, joints)
+        square = 0.5 * (forth + back) - rest
+        odd, odd_twice = 0.5 * (forth - back), twice - rest - 4.0 * square
+        linear, constant = odd_twice - odd, 2.0 * odd - odd_twice
+        off = np.abs(rest + constant + 3.0 * linear + 9.0 * square - thrice)
+        if (off > ROUNDING * (1.0 + np.abs(thrice).max(initial=0.0))).any():
+            raise UsageError("torques: the function is not quadratic in the velocities, but for its friction")
+        return TorqueTerms(0.5 * (by_first - rest), by_second - rest + square, linear, rest + constant)

@@ -1,0 +1,240 @@
+"""Limits that fall with the speed of a joint: against IPOPT, between the nodes, bound, prices, and by constants."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.support.random_paths import harmonics, random_limits
+from toolpace.common.errors import UsageError
+from toolpace.deflection.new_trajectory import replan
+from toolpace.judge import verify
+from toolpace.machine.limit_curves import SIDES, CurvedLimit, LimitCurve
+from toolpace.machine.limits import Limits
+from toolpace.machine.rows import Rows
+from toolpace.path.axis_path import AxisPath
+from toolpace.planning.bound.relaxation import bound_run, coefficients, problem_of
+from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planned_run import AT_REST
+from toolpace.planning.planner import plan
+
+
+def random_curve(rng, speed, limit, concave=True):
+    """A curve with a knee below the speed that a joint reaches, and another where it falls more steeply or less."""
+    knee = rng.uniform(0.2, 0.5)
+    v = speed * np.array([0.0, knee, rng.uniform(knee + 0.1, 0.8), 1.0])
+    first = rng.uniform(0.6, 0.95) if concave else rng.uniform(0.3, 0.6)
+    fall = (1.0 - first) / (v[2] - v[1]) * (v[3] - v[2])
+    last = max(first - fall * (rng.uniform(1.0, 3.0) if concave else rng.uniform(0.0, 1.0)), 0.05)
+    return LimitCurve(np.stack([v, limit * np.array([1.0, 1.0, first, last])], axis=1))
+
+
+def curved(seed, joints=3, jerk=False, concave=True):
+    """A random path, and limits with curves of accelerations, and of jerks, that fall at speeds that it reaches."""
+    rng = np.random.default_rng(seed)
+    path, limits = AxisPath.from_callable(harmonics(seed, joints)), random_limits(seed, joints, seed % 2 == 1)
+    free = plan(path, limits, bound=False)
+    fastest = np.abs(free.at(np.linspace(0.0, free.duration, 2001)).qd).max(axis=0)
+    curves = []
+    for j, joint in enumerate(limits.joints):
+        for kind in ("acceleration", "jerk")[: 1 + jerk]:
+            sides = "at any" if kind == "jerk" else list(SIDES)[int(rng.integers(3))]
+            limit = float(getattr(limits, kind)[j])
+            mine = tuple(random_curve(rng, fastest[j], limit, concave) for _ in SIDES[sides])
+            curves.append(CurvedLimit(joint, kind, mine, sides))
+    return path, replace(limits, curves=curves), free
+
+
+def largest_shares(trajectory, limits, count=20_000):
+    """By curve the largest share that differences over the time show: they know no path, law or row."""
+    t = np.linspace(0.0, trajectory.duration, count + 1)
+    q = trajectory.at(t).q
+    shares = {}
+    for curve in limits.curves:
+        j, order = limits.joints.index(curve.joint), 2 if curve.kind == "acceleration" else 3
+        value = np.diff(q[:, j], order) / t[1] ** order
+        speed = (q[order:, j] - q[:-order, j]) / (order * t[1])
+        forth = value * speed >= 0.0 if curve.sides == "speeding up" else value >= 0.0
+        sides = curve.curves[0], curve.curves[-1]
+        above, below = (np.interp(np.abs(speed), each.speed, each.limit) for each in sides)
+        turns = (np.abs(speed) < 1e-3 * np.abs(speed).max()) & (curve.sides == "speeding up")
+        limit = np.where(turns, np.maximum(above, below), np.where(forth, above, below))
+        shares[curve.name] = float((np.abs(value) / limit).max())
+    return shares
+
+
+def compared_with_ipopt(seed, **options):
+    pytest.importorskip("casadi")
+    from testbed import ipopt
+
+    path, limits, _ = curved(seed, 2 + seed % 3, **options)
+    law, _ = fastest_law(path.runs[0], limits.over_speed(), cells=100, guard=False)
+    best = ipopt.optimum(path, limits.over_speed(), 100)
+    assert best.note == ipopt.SUCCEEDED
+    return law.duration / best.law.duration
+
+
+@pytest.mark.parametrize(("seed", "jerk"), [(1, False), (2, True)])
+def test_motions_within_curves_are_ipopts_optimum(seed, jerk):
+    assert abs(compared_with_ipopt(seed, jerk=jerk) - 1.0) < 1e-4
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(100, 160))
+def test_motions_within_curves_are_ipopts_optimum_on_many(seed):
+    assert abs(compared_with_ipopt(seed, jerk=seed % 2 == 0) - 1.0) < 1e-4
+
+
+def assert_holds(seed, **options):
+    path, limits, free = curved(seed, **options)
+    trajectory = plan(path, limits)
+    shares = largest_shares(trajectory, limits)
+    assert max(shares.values()) <= 1.0001
+    assert 0.99 < max(trajectory.usage().rows.values()) <= trajectory.usage().worst <= 1.0001
+    assert trajectory.gap < 0.01
+    least = plan(path, replace(limits, curves=()), bound=False)  # the array holds the least values
+    assert free.duration < trajectory.duration < least.duration
+    assert verify(trajectory, limits, dt=trajectory.duration / 4000).ok
+    return trajectory, limits
+
+
+def test_curves_hold_between_nodes_and_are_named_bounded_and_priced():
+    trajectory, limits = assert_holds(4)
+    named = {curve.name for curve in limits.curves}
+    assert named < set(trajectory.active().names) and named & set(trajectory.limited_by())
+    prices = trajectory.prices()
+    dearest = max(named, key=prices.get)
+    raised = [curve.scaled(1.0, 1.01 if curve.name == dearest else 1.0) for curve in limits.curves]
+    # its largest value, which has a price of its own, grows with it
+    largest = prices[dearest.replace("curve ", "")]
+    gain = trajectory.duration - plan(trajectory.axis_path, replace(limits, curves=raised), bound=False).duration
+    assert abs(prices[dearest] + largest - gain) <= max(0.1 * gain, 1e-4 * trajectory.duration)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(200, 206))
+def test_curves_hold_between_nodes_on_some(seed):
+    assert_holds(seed, jerk=seed % 2 == 0, concave=seed % 3 > 0)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(206, 240))
+def test_curves_hold_between_nodes_on_many(seed):
+    assert_holds(seed, jerk=seed % 2 == 0, concave=seed % 3 > 0)
+
+
+def test_the_lines_of_a_curve_give_the_curve():
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        corners = int(rng.integers(1, 7))
+        speed = np.append(0.0, np.sort(rng.uniform(0.05, 1.0, corners - 1)))
+        curve = LimitCurve(np.stack([speed, np.sort(rng.uniform(0.1, 2.0, corners))[::-1]], axis=1))
+        v = np.linspace(0.0, 1.2, 200)
+        height, fall = np.moveaxis(curve.lines(np.inf, np.inf), 2, 0)
+        found = (height - fall * v[:, None, None]).max(axis=2).min(axis=1)
+        assert np.allclose(found, curve.at(v), rtol=1e-12)
+
+
+def test_the_bound_is_below_every_motion_within_the_curves():
+    path, limits, _ = curved(9, 2)
+    run, held = path.runs[0], limits.over_speed()
+    law, _ = fastest_law(run, held, cells=60, guard=False)
+    bound = bound_run(run, held, law)
+    assert bound.gap < 0.01
+    # on the same mesh with the rows at the nodes themselves, slower motions and other ones
+    problem = problem_of(run, held, law, AT_REST, AT_REST)
+    assert problem.lines is not None and not problem.lines.ahead.any()
+    for share in (1.0, 0.9):
+        assert problem.time(share * coefficients(law)) >= bound.mesh_bound
+
+
+def test_limits_without_the_curve_that_they_stay_below_give_the_same_motion():
+    """A curve that falls only at speeds beyond those that are reached holds nothing."""
+    path, limits = AxisPath.from_callable(harmonics(5, 2)), random_limits(5, 2)
+    free = plan(path, limits, mesh=300, bound=False)
+    fastest = float(np.abs(free.at(np.linspace(0.0, free.duration, 2001)).qd[:, 0]).max())
+    a = float(limits.acceleration[0])
+    curve = LimitCurve([[0.0, a], [1.2 * fastest, a], [2.0 * fastest, 0.2 * a]])
+    held = replace(limits, curves=[CurvedLimit("q1", "acceleration", (curve,))])
+    assert held.acceleration[0] == 0.2 * a
+    same = plan(path, held, mesh=300, bound=False)
+    assert same.duration == pytest.approx(free.duration, rel=1e-6)
+
+
+def test_rows_of_ones_own_have_limits_that_depend_on_the_speed():
+    """Lines above and below that a row tells by itself: those of a joint's curve give the same motion."""
+    path, limits, _ = curved(7, 2)
+    curve = next(each for each in limits.curves if each.joint == "q1")
+    plain = replace(limits, curves=[each for each in limits.curves if each is not curve])
+    plain = replace(plain, acceleration=[curve.largest, plain.acceleration[1]])
+    own = replace(curve.rows(0, float(limits.velocity[0])), name="motor")
+    options = {"mesh": 200, "bound": False}
+    same = plan(path, plain, rows=[own], **options)
+    assert same.duration == pytest.approx(plan(path, limits, **options).duration, rel=1e-6)
+    assert same.usage().rows["motor"] <= 1.0001 and verify(same, plain, rows=[own]).ok
+    wrong = replace(own, lines=lambda q: (np.ones((3, 1, 1, 2)), np.ones((3, 1, 1, 2))))
+    with pytest.raises(UsageError, match="motor: lines of shape"):
+        plan(path, plain, rows=[wrong])
+
+
+def test_who_knows_constants_takes_the_least_value():
+    path, limits, _ = curved(3, 2)
+    assert (limits.acceleration == [curve.least for curve in limits.curves]).all()
+    for planner in ("genetic", "second-order"):
+        motion = plan(path, limits, planner=planner)
+        acceleration = motion.at(np.linspace(0.0, motion.duration, 2000)).qdd
+        assert (np.abs(acceleration).max(axis=0) <= limits.acceleration * 1.0001).all()
+    with pytest.raises(UsageError, match=r"limits that depend on the speed \(acceleration of q1"):
+        replan(plan(path, limits, bound=False), 0.5, np.zeros(2))
+
+
+def test_limits_with_curves_are_values():
+    _, limits, _ = curved(3, 2)
+    again = pickle.loads(pickle.dumps(limits))
+    assert again == limits and hash(again) == hash(limits) and again != limits.scaled(acceleration=1.1)
+    held = limits.over_speed()
+    assert held.constants is limits and limits.constants is limits
+    assert held.scaled(acceleration=2.0).names == held.names
+    assert (limits.scaled(velocity=2.0).curves[0].curves[0].speed == 2.0 * limits.curves[0].curves[0].speed).all()
+    assert (limits.largest.acceleration >= limits.acceleration).all() and not limits.largest.curves
+
+
+def test_the_judge_sees_a_curve_that_is_exceeded():
+    path, limits, _ = curved(1, 2)
+    trajectory = plan(path, limits, bound=False)
+    dt = trajectory.duration / 4000
+    assert verify(trajectory, limits, dt=dt).ok and verify(trajectory, trajectory.limits, dt=dt).ok
+    # a curve that is lower, but for its ends
+    lower = []
+    for each in limits.curves:
+        inner = [np.stack([c.speed, c.limit * np.where(c.limit == c.largest, 1.0, 0.995)], axis=1) for c in each.curves]
+        lower.append(CurvedLimit(each.joint, each.kind, tuple(map(LimitCurve, inner)), each.sides))
+    found = verify(trajectory, replace(limits, curves=lower), dt=dt)
+    assert {check.name for check in found.findings} == {"acceleration over speed"}
+
+
+def flat(joint):
+    return CurvedLimit(joint, "jerk", (LimitCurve([[0.0, 1.0]]),))
+
+
+@pytest.mark.parametrize(("make", "message"), [
+    (lambda: LimitCurve([[0.0, 1.0], [1.0, 2.0]]), "rises from 1 to 2 at speed 1"),
+    (lambda: LimitCurve([[0.5, 1.0]]), "begins at speed 0.5"),
+    (lambda: LimitCurve([[0.0, 1.0], [0.0, 0.5]]), "speed 0 comes after 0"),
+    (lambda: LimitCurve([[0.0, 1.0], [1.0, 0.0]]), "is 0 at speed 1"),
+    (lambda: LimitCurve(np.empty((0, 2))), "has 0 corners"),
+    (lambda: LimitCurve([1.0, 2.0]), "give corners like"),
+    (lambda: CurvedLimit("X", "velocity", (LimitCurve([[0.0, 1.0]]),)), "kind is 'velocity'"),
+    (lambda: CurvedLimit("X", "acceleration", (), "braking"), "0 curves for 'braking'"),
+    (lambda: CurvedLimit("X", "jerk", 2 * (LimitCurve([[0.0, 1.0]]),), "upwards"), "one curve for all motion"),
+    (lambda: Limits(1, 1, 1, ["X"], curves=[flat("Y")]), "curve of joint Y"),
+    (lambda: Limits(1, 1, 1, ["X"], curves=[flat("X"), flat("X")]), "two curves"),
+    (lambda: Limits(1, 1, 1, ["X"], curves=[3]), "int in place of a curve"),
+    (lambda: Rows("own", "", 1.0, np.ones_like, lines=np.ones_like, pieces=0), "pieces is 0"),
+])  # fmt: skip
+def test_mistakes_are_told(make, message):
+    with pytest.raises(UsageError, match=message):
+        make()
