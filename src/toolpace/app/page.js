@@ -124,7 +124,9 @@ function form(part) {
   const found = part.inspection, machines = found && found.machines || [];
   forms[part.id] ??= { machine: "", tip_tolerance: "", axis_tolerance: "", feeds: "program", own: "3000mm/min", air_feed: "", limits: "", material: "", effort: "normal", tool_length: "", bend: false };
   const values = forms[part.id];
-  if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines[0] || "";
+  // people have one machine: that of their last job
+  const last = state.jobs.length ? state.jobs[state.jobs.length - 1].request.machine : "";
+  if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines.includes(last) ? last : machines[0] || "";
   return values;
 }
 
