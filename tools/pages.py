@@ -224,6 +224,21 @@ def single(at: str) -> str:
     return table(["what", "figure", "measured on"], linked)
 
 
+def browser_pages(at: str) -> str:
+    """What the pages of plans cost a browser without graphics."""
+    heads = ["page", "motion", "size [MB]", "first picture [s]", "frames/s, 1 x", "longest frame [ms], 1 x",
+             "frames/s, 10 x", "longest frame [ms], 10 x", "memory [MB]"]  # fmt: skip
+    body = rows("pages", "| page | motion")
+    kept = (0, 1, 2, 3, 4, 6, 8)
+    return table([heads[k] for k in kept], [[line[k] for k in kept] for line in body], words=2) + source("pages", at)
+
+
+def questions(at: str) -> str:
+    """Three questions of a new user, with the seconds until they are answered."""
+    heads = ["question", "answer", "clicks", "keys", "page loads", "waiting [s]", "hand and head [s]", "together [s]"]
+    return table(heads, rows("questions", "| question | answer"), words=2) + source("questions", at)
+
+
 def results(at: str) -> str:
     """Every page of results: its title, command, day and processor."""
     body = []
@@ -237,7 +252,7 @@ def results(at: str) -> str:
 TABLES: dict[str, Callable[[str], str]] = {
     "peers": peers, "times": times, "bound": bound, "long-paths": long_paths, "second-order": second_order,
     "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc,
-    "cluster": cluster, "single": single, "index": results,
+    "cluster": cluster, "single": single, "index": results, "pages": browser_pages, "questions": questions,
 }  # fmt: skip
 
 
