@@ -23,6 +23,8 @@ TOP = Path(__file__).parents[1]
 RESULTS = TOP / "benchmarks" / "results"
 REGION = re.compile(r"(<!-- results: ([\w-]+) -->\n).*?(<!-- end of results -->)", re.DOTALL)
 NOT_NOTED = "not noted"
+BUSY = 3.0
+"""Load of a machine of two cores above which times are not those of a quiet one."""
 
 Rows = list[list[str]]
 
@@ -68,6 +70,8 @@ def source(name: str, at: str = "") -> str:
     """The line below a table: the page of results, the command, the day and the processor."""
     command, when, where = measured(name)
     on = f", {where}" if where != NOT_NOTED else ""
+    load = re.search(r"Load of the machine at the end: (\d+\.\d)", page(name))
+    on += f", under a load of {load[1]}" if load and float(load[1]) > BUSY else ""
     return f"\nMeasured on {when}{on}: `{command}`, [results]({at}{name}.md).\n"
 
 
