@@ -243,6 +243,15 @@ def questions(at: str) -> str:
     return table(heads, rows("questions", "| question | answer"), words=2) + source("questions", at)
 
 
+def cut_feeds(at: str) -> str:
+    """Times of public programs before and after new feeds, by three models of controls, and of the ideal motion."""
+    first = "| program | feeds"
+    heads = next(line for line in page("cut_feeds").splitlines() if line.startswith(first))
+    return table([word.strip() for word in heads.strip("|").split("|")], rows("cut_feeds", first), words=2) + source(
+        "cut_feeds", at
+    )
+
+
 def results(at: str) -> str:
     """Every page of results: its title, command, day and processor."""
     body = []
@@ -256,7 +265,8 @@ def results(at: str) -> str:
 TABLES: dict[str, Callable[[str], str]] = {
     "peers": peers, "times": times, "bound": bound, "long-paths": long_paths, "second-order": second_order,
     "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc,
-    "cluster": cluster, "single": single, "index": results, "pages": browser_pages, "questions": questions,
+    "cluster": cluster, "cut-feeds": cut_feeds, "single": single, "index": results, "pages": browser_pages,
+    "questions": questions,
 }  # fmt: skip
 
 

@@ -127,7 +127,7 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
 def row_gains(limits: Limits, multipliers: Multipliers, problem: Problem) -> Floats:
     """(points, k) what the rows of a point gain per relative growth of each limit."""
     m, half, gains = len(limits), limits.half, multipliers.rows.copy()
-    if problem.lines is not None:
+    if problem.lines is not None and multipliers.limit is not None:
         gains[:, problem.lines.column] *= multipliers.limit
     gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
     columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
