@@ -95,14 +95,15 @@ def app(folder: Path) -> Iterator[str]:
             process.terminate()
 
 
-def asked(page: Any, program: str, text: str) -> list[list[str]]:
-    """What a person does with one program that is dropped, question by question."""
+def asked(page: Any, program: str, machine: str, text: str) -> list[list[str]]:
+    """What a person who has a machine does with one program that is dropped, question by question."""
     rows = []
     person = Person(loads=1)
     page.set_input_files("#file", [{"name": program, "mimeType": "", "buffer": text.encode()}])
     person.clicks += 1  # on the file
     person.wait(page, "[data-focus=start]:not([disabled])")
     person.wait(page, "#program .good")
+    person.click(page, f"[data-focus='on {machine}']")
     person.click(page, "[data-focus=start]")
     took = person.wait(page, ".job .time")
     rows.append(person.row(f"{program}: plan it", took))
@@ -136,7 +137,10 @@ def asked(page: Any, program: str, text: str) -> list[list[str]]:
 def main() -> None:
     """Ask all, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    programs = {"demo.ngc": impeller_program(), "positioned.nc": positioned(blocks=141)}
+    programs = {
+        "demo.ngc": ("xyzac-trunnion", impeller_program()),
+        "positioned.nc": ("xyzbc-trunnion", positioned(blocks=141)),
+    }
     parser.add_argument("--program", action="append", choices=list(programs))
     parser.add_argument("--out", type=Path, default=RESULTS / "questions.md")
     options = parser.parse_args()
@@ -145,7 +149,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, app(Path(folder) / "app") as address, browser() as (page, _):
         page.goto(address)
         for program in options.program or programs:
-            table.lines += asked(page, program, programs[program])
+            table.lines += asked(page, program, *programs[program])
             print(*table.lines[-4:], sep="\n", flush=True)
     table.show()
     about = (
