@@ -67,16 +67,16 @@ CASES = {
     # CC BY 4.0: "Production data set for five-axis CNC milling with multiple changeovers", doi 10.5281/zenodo.15735480
     "Bottle_opener": Case("xyzbc-trunnion", 0.4, {"SCHAFT_D8_N_AP20": 0.055, "SCHAFT_D4_N_AP20": 0.023}),
     "Coordinate_system_representation_Achskreuz": Case(
-        "xyzbc-trunnion", 0.8, {"PLAN_D50_N_AP4": 0.1, "SCHAFT_D12_N_AP30": 0.04, "SCHAFT_D6_N_AP15": 0.02}
+        "xyzbc-trunnion", 1.0, {"PLAN_D50_N_AP4": 0.1, "SCHAFT_D12_N_AP30": 0.04, "SCHAFT_D6_N_AP15": 0.02}
     ),
     # GPL: an example of LinuxCNC's (FC Hermle, 2011)
     "boat-xyzac": Case("linuxcnc-xyzac-trt", 0.5, {"1": 0.24}),
     # GPL: an example of LinuxCNC's (Gordon, Drew, Corner), whose F is far above the feed that its comment tells
-    "3D_Chips": Case("linuxcnc-xyzac-trt", 0.8, {"1": 0.14}),
+    "3D_Chips": Case("linuxcnc-xyzac-trt", 1.5, {"1": 0.14}),
     # no licence is told: github.com/Epictetzu/GCodePosts, posted by Fusion for a mill with GRBL
-    "NozzleDeepADOC_OP1": Case("xyzac-trunnion", 0.3, {"1": 0.028, "3": 0.028}),
+    "NozzleDeepADOC_OP1": Case("xyzac-trunnion", 0.5, {"1": 0.028, "3": 0.028}),
     # no licence is told: github.com/Mheaton92/PMC, posted by Fusion for a Haas
-    "1001": Case("xyzac-trunnion", 1.5, {"7": 0.34}),
+    "1001": Case("xyzac-trunnion", 2.0, {"7": 0.34}),
 }
 """By the name of its file, without its suffix."""
 

