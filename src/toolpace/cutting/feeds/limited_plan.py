@@ -223,22 +223,22 @@ def at_stations(place: Floats, speed: Floats) -> Floats:
     place: (n + 1,) of the stations along the path, ascending. Between two stations the speed may depart from a straight
     line: at an exit it bends, at an entry it jumps, nobody knows where. The slopes before and behind tell how much: a
     kink from one to the other departs by a quarter of what they differ by, and what their mean does not explain is a
-    jump. Where that is more than DEPARTURE both stations are lowered by it, to the lower one of both at most.
+    jump. Where that is more than DEPARTURE both stations are lowered by it, or the lower one holds at both, whichever
+    costs less.
     """
     own = np.minimum(np.concatenate([speed[:1], speed]), UNLIMITED)
     way = np.diff(place)
     slope = np.diff(own) / way
-    before, behind = (np.zeros(len(slope)) for _ in range(2))
-    before[1:], behind[:-1] = slope[:-1], slope[1:]
-    # at either end the slope of the other side stands in
-    before[:1], behind[-1:] = behind[:1], before[-1:]
-    jump = np.abs(slope - 0.5 * (before + behind)) * way
-    departs = 0.25 * np.abs(behind - before) * way + jump
-    lower = np.minimum(own[:-1], own[1:])
-    off = np.where(departs > DEPARTURE * lower, departs, 0.0)
+    before, behind = np.append(slope[1:2], slope[:-1]), np.append(slope[1:], slope[-2:-1])
+    if len(slope) == 1:
+        before = behind = np.zeros(1)
+    departs = 0.25 * np.abs(behind - before) * way + np.abs(slope - 0.5 * (before + behind)) * way
+    low, high = np.minimum(own[:-1], own[1:]), np.maximum(own[:-1], own[1:])
+    holds = departs > np.minimum(0.5 * (high - low), 0.5 * low)
+    off = np.where(departs > DEPARTURE * low, departs, 0.0)
     found = own.copy()
     for ends in (slice(None, -1), slice(1, None)):
-        found[ends] = np.minimum(found[ends], np.maximum(lower, own[ends] - off))
+        found[ends] = np.minimum(found[ends], np.where(holds & (off > 0.0), low, own[ends] - off))
     return np.where(found < UNLIMITED, found, np.inf)
 
 

@@ -31,13 +31,8 @@ FULL = 1.0 - 1e-9
 """Share of the radius from which a cut reaches the side of the tool."""
 SURE = 0.5
 """Share of a depth within which there is no border."""
-SUDDEN = 1.15
-"""By what factor an arc may shrink more from one slice to the next than before, where its ends meet in a corner:
-below a round top it is 1.3 and more."""
-FADES = 0.25
-"""Share of the second difference of three widths that counts above the last: towards a corner they bend less."""
-EDGE = 0.2
-"""Slices by which an edge of the stock is taken to be higher than it is seen: rays see edges too low."""
+EDGE = 0.5
+"""Slices by which a corner is taken to be higher than it is seen: rays see an edge of the stock half a cell too low."""
 ABOVE = 1.5
 """Slices above the last arc within which its ends are thought to meet."""
 
@@ -254,37 +249,75 @@ def arc_holding(arcs: Arcs, first: int, count: int, j: int, phi: float) -> int:
 
 
 @jit()
-def outward_at_corner(pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, top: int) -> float:
-    """How far the surface moves outward where both ends of an arc meet in a corner above it; 0 where they do not.
+def end_near(arcs: Arcs, k: int, is_entry: bool, phi: float) -> float:
+    """Where an arc begins or ends, in the turn that is the nearest to an angle."""
+    end = arcs.entry[k] if is_entry else arcs.exit[k]
+    return end + TURN * round((phi - end) / TURN)
 
-    The ends of this and of the two arcs below it are continued: at an edge of the stock, where one surface ends at
-    another, the thickest chip of a ball is in that corner.
+
+@jit()
+def outward_at_corner(
+    field: Field, pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, top: int, most: float
+) -> float:
+    """How far the surface moves outward where an end of the uppermost arc, continued, meets the upper border of the
+    cut; 0 where they do not meet near.
+
+    At an edge of the stock, where one surface ends at another, the thickest chip of a ball is in that corner. The end
+    is continued from the arc below, the upper border from two places within the arc.
     """
-    j, middle = arcs.slice[top], 0.5 * (arcs.entry[top] + arcs.exit[top])
-    one = arc_holding(arcs, first, count, j - 1, middle)
-    two = arc_holding(arcs, first, count, j - 2, middle)
-    if one < 0 or two < 0 or j + 1 == len(slices.z) or arc_holding(arcs, first, count, j + 1, middle) >= 0:
-        return 0.0
-    width = arcs.exit[top] - arcs.entry[top]
-    width_one, width_two = arcs.exit[one] - arcs.entry[one], arcs.exit[two] - arcs.entry[two]
-    shrinks, before = width_one - width, width_two - width_one
-    if shrinks <= 0.0 or shrinks > SUDDEN * before:
-        return 0.0
-    # by slices above the arc: width - shrinks x + bend x (x + 1) / 2 = 0
-    bend = FADES * (before - shrinks)
-    slope = shrinks - 0.5 * bend
-    square = slope * slope - 2.0 * bend * width
-    if square < 0.0:
-        return 0.0
-    x = 2.0 * width / (slope + math.sqrt(square)) + EDGE
-    if x > ABOVE:
-        return 0.0
-    end = arcs.exit[top]
-    end_one = arcs.exit[one] + TURN * round((end - arcs.exit[one]) / TURN)
-    end_two = arcs.exit[two] + TURN * round((end - arcs.exit[two]) / TURN)
-    phi = end + x * (end - end_one) + 0.5 * x * (x + 1.0) * (end - 2.0 * end_one + end_two)
-    here = farthest_outward(pose, slices, j, phi, phi)[1]
-    far: float = here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here)
+    j, far, width = arcs.slice[top], 0.0, arcs.exit[top] - arcs.entry[top]
+    middle = 0.5 * (arcs.entry[top] + arcs.exit[top])
+    below = arc_holding(arcs, first, count, j - 1, middle)
+    if below < 0 or j + 1 == len(slices.z) or arc_holding(arcs, first, count, j + 1, middle) >= 0:
+        return far
+    for is_entry in (True, False):
+        end = arcs.entry[top] if is_entry else arcs.exit[top]
+        lean = end - end_near(arcs, below, is_entry, end)
+        inward = 0.25 * width if is_entry else -0.25 * width
+        near = (height_of_border(field, pose, slices, j, j + 1, end + inward, most) - slices.z[j]) / slices.height
+        away = (height_of_border(field, pose, slices, j, j + 1, end + 2.0 * inward, most) - slices.z[j]) / slices.height
+        rise = (away - near) / inward
+        meets = 1.0 - rise * lean
+        if meets <= 0.0:
+            continue
+        x = (near - rise * inward) / meets
+        if 0.0 <= x <= ABOVE:
+            x += EDGE
+            phi = end + x * lean
+            here = farthest_outward(pose, slices, j, phi, phi)[1]
+            far = max(far, here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here))
+    return far
+
+
+@jit()
+def outward_at_bend(pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, low: int) -> float:
+    """How far the surface moves outward where an end of an arc and that of the arc above it are on two borders that
+    meet between both; 0 where they do not.
+
+    Each border is continued straight: from the arc below this one, and from the one above the next.
+    """
+    j, far = arcs.slice[low], 0.0
+    below = arc_holding(arcs, first, count, j - 1, 0.5 * (arcs.entry[low] + arcs.exit[low]))
+    if below < 0:
+        return far
+    for high in range(first, count):
+        middle = 0.5 * (arcs.entry[high] + arcs.exit[high])
+        if arcs.slice[high] != j + 1 or arc_holding(arcs, first, count, j, middle) != low:
+            continue
+        for above in range(first, count):
+            middle = 0.5 * (arcs.entry[above] + arcs.exit[above])
+            if arcs.slice[above] != j + 2 or arc_holding(arcs, first, count, j + 1, middle) != high:
+                continue
+            for is_entry in (True, False):
+                end = arcs.entry[low] if is_entry else arcs.exit[low]
+                rises = end - end_near(arcs, below, is_entry, end)
+                upper = end_near(arcs, high, is_entry, end)
+                falls = upper - end_near(arcs, above, is_entry, end)
+                x = (upper + falls - end) / (rises + falls) if rises + falls != 0.0 else -1.0
+                if 0.0 <= x <= 1.0:
+                    phi = end + x * rises
+                    here = farthest_outward(pose, slices, j, phi, phi)[1]
+                    far = max(far, here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here))
     return far
 
 
@@ -347,5 +380,9 @@ def contact(
     farthest = outward_up_to_border(field, pose, slices, j, steepest_phi, farthest, most)
     # only where the tool widens upwards more is taken there
     if j > 1 and slices.across[j - 1] < slices.across[j]:
-        farthest = max(farthest, outward_at_corner(pose, slices, arcs, begin, count, steepest))
+        farthest = max(farthest, outward_at_corner(field, pose, slices, arcs, begin, count, steepest, most))
+        farthest = max(farthest, outward_at_bend(pose, slices, arcs, begin, count, steepest))
+        lower = arc_holding(arcs, begin, count, j - 1, 0.5 * (arcs.entry[steepest] + arcs.exit[steepest]))
+        if lower >= 0:
+            farthest = max(farthest, outward_at_bend(pose, slices, arcs, begin, count, lower))
     return count, width, depth, flat, farthest / step
