@@ -210,8 +210,8 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
         for kind in KINDS:
             share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
             text = f"of {four_digits(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
-            of_curve = usage.rows.get(f"{kind} {CURVE}{joint}")
-            text += f", {percent(of_curve)} at its speed" if of_curve is not None else ""
+            if f"{kind} {CURVE}{joint}" in limits.names:
+                text += f', {percent(usage.rows[f"{kind} {CURVE}{joint}"])} at its speed'
             cells.append(_used(j, share, text))
         if joint in motors:
             motor = motors[joint]
