@@ -8,6 +8,9 @@ SITE ?= out/docs
 LOCK ?= requirements.lock
 PIP := $(BIN)/pip install --quiet $(if $(LOCK),--constraint $(LOCK))
 
+# Where a shell or an image sets it, each process that the tests start would compile the sources for itself.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: help demo test check census first-run wheel mutants docs lock bench clean
 
 help:  ## what there is to make

@@ -61,6 +61,11 @@ class Session:
         self.until(lambda: self.state.task_state == linuxcnc.STATE_ON, "machine on")
         self.command.home(-1)
         self.until(lambda: all(self.state.homed[: self.joints]), "joints homed")
+        # what its canon begins with, which is lost where the power comes on before its first cycles are through
+        self.command.mode(linuxcnc.MODE_MDI)
+        self.command.wait_complete()
+        self.command.mdi("G21 G64 P0.0254")
+        self.command.wait_complete()
         self.command.mode(linuxcnc.MODE_AUTO)
         self.command.wait_complete()
         self.until(lambda: self.state.task_mode == linuxcnc.MODE_AUTO, "automatic mode")

@@ -1,8 +1,10 @@
 """How long programs take on the real LinuxCNC, and by our model of it; what they ask of the joints there.
 
     python -m testbed.linuxcnc.times [--only NAME...] [--out FILE]
+    python -m testbed.linuxcnc.times --program FILE... [--machine NAME]
 
-All programs take about twenty minutes. Those of LinuxCNC's own examples are where its Debian package puts them.
+All programs take about twenty minutes. Those of LinuxCNC's own examples are where its Debian package puts them. Files
+of one's own are run once, and their rows printed.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis/vismac
 FILES = Path("/usr/share/linuxcnc/ncfiles")
 LINUXCNC = "LinuxCNC's"
 """Whose its own examples are; they take long."""
+OWN = "own"
+"""Whose a file is that was named."""
 FAST, SLOW = 8, 2
 """Times real time."""
 NEEDS_TIME = ("switching", "noise", "surface", "dense")
@@ -46,7 +50,9 @@ HEAD = """# How long programs take on LinuxCNC, and by our model of it
 cycle): LinuxCNC holds the limits of the words, not of the joints, while it holds the tip. "Tuned" programs were
 looked at while the model was written; "mended" ones were written after it and each showed a mistake; all others were
 not used. Ours are run twice, and the quicker run counts: where the computer is busy, LinuxCNC waits longer, never less;
-LinuxCNC's own examples once. Measured on {day}; LinuxCNC 2.9 of Debian 12, eight times real time (dense programs two).
+LinuxCNC's own examples once. Measured on {day}, rows that `--only` left out before; LinuxCNC 2.9 of Debian 12, eight
+times real time (dense programs two). A program that names no path mode runs with the tolerance that LinuxCNC begins
+with, 0.001 inch.
 
 | program | whose | blocks | LinuxCNC [s] | ours [s] | off by [%] | model [ms] | velocity | acceleration |
 |---|---|---|---|---|---|---|---|---|
@@ -65,7 +71,7 @@ class Case:
     @property
     def runs(self) -> int:
         """The quickest counts: where this machine is busy, LinuxCNC waits longer, never less."""
-        return 1 if self.whose == LINUXCNC else 2
+        return 1 if self.whose in (LINUXCNC, OWN) else 2
 
     @property
     def speed(self) -> int:
@@ -131,18 +137,31 @@ def usage(log: Log, machine: Machine) -> tuple[float, float]:
 def main(arguments: Iterable[str]) -> int:
     """Run, print each row, write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", nargs="*", help="names of the programs to run; the table is printed, not written")
+    parser.add_argument("--only", nargs="*", help="names of the programs to run; the rows of the others stay")
     parser.add_argument("--out", type=Path, default=RESULTS)
+    parser.add_argument("--program", nargs="*", type=Path, help="files to run in place of these")
+    parser.add_argument("--machine", default="linuxcnc-xyzac-trt", help="on which these are run")
     given = parser.parse_args(list(arguments))
-    rows = []
+    if given.program:
+        machine = Machine.load(given.machine)
+        for file in given.program:
+            print(row(Case(file.name, OWN, file.read_text, machine)), flush=True)
+        return 0
+    rows = kept(given.out) if given.only else {}
     for case in cases():
         if given.only and case.name not in given.only:
             continue
-        rows.append(row(case))
-        print(rows[-1], flush=True)
-        if not given.only:
-            given.out.write_text(head() + "\n".join(rows) + "\n", encoding="utf-8")
+        rows[case.name] = row(case)
+        print(rows[case.name], flush=True)
+        in_order = [rows[each.name] for each in cases() if each.name in rows]
+        given.out.write_text(head() + "\n".join(in_order) + "\n", encoding="utf-8")
     return 0
+
+
+def kept(page: Path) -> dict[str, str]:
+    """Rows of a page by program."""
+    lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
+    return {line.split("|")[1].strip(): line for line in lines if line.startswith("| ")}
 
 
 if __name__ == "__main__":

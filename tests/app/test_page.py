@@ -79,6 +79,7 @@ def chosen(found: Opened, program: str) -> None:
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_a_session_from_the_drop_to_the_program_to_load(tmp_path):
     """A refused program is cured by its button, planned by keyboard, changed, compared and loaded."""
     with served(tmp_path) as address, browser() as found:
@@ -132,7 +133,7 @@ def started(folder):
 @pytest.mark.sweep
 def test_a_server_that_is_killed_in_mid_job_loses_nothing(tmp_path):
     """Three dialects, one of them refused and cured; two jobs at once; SIGKILL, and a second start."""
-    impeller = demo_programs.impeller_program(blocks_per_blade=40)
+    impeller = demo_programs.impeller_program(blocks_per_blade=20)
     with browser(width=700) as found:
         page = found.page
         with started(tmp_path / "app") as (process, address):

@@ -79,6 +79,7 @@ def planned(tmp_path_factory):
     return out, main(["demo", "--out", str(out)])
 
 
+@pytest.mark.sweep
 def test_demo_plans_within_every_limit(planned):
     planned, code = planned
     assert code == 0
@@ -93,6 +94,7 @@ def test_demo_plans_within_every_limit(planned):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_demo_report_draws_itself(planned):
     planned, _ = planned
     with opened(planned / "report.html") as page:

@@ -86,7 +86,10 @@ def test_a_plan_is_replaced_a_plan_with_ones_own_file_is_not(here, capsys):
     "command",
     [
         "cat part.ngc | {t} plan - {p}; mv program-plan out",
-        "{t} plan <(cat part.ngc) -m <({t} machines xyzac-trunnion --toml) --no-report -o out",
+        pytest.param(
+            "{t} plan <(cat part.ngc) -m <({t} machines xyzac-trunnion --toml) --no-report -o out",
+            marks=pytest.mark.sweep,
+        ),
         pytest.param("cat part.ngc | {t} plan /dev/stdin {p} -o out", marks=pytest.mark.sweep),
         pytest.param("{t} plan - {p} -o out < part.ngc", marks=pytest.mark.sweep),
         pytest.param("mkfifo pipe; cat part.ngc > pipe & {t} plan pipe {p} -o out", marks=pytest.mark.sweep),
@@ -165,7 +168,10 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.sweep) for number in (signal.SIGINT, signal.SIGHUP))],
+)
 def test_a_signal_leaves_the_old_plan_and_nothing_else(here, number):
     assert main(["plan", "part.ngc", *PLAN, "-o", "out"]) == 0
     before = content(here)

@@ -151,6 +151,7 @@ def test_the_server_ends_with_the_command(follower):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_a_browser_shows_it_until_it_ends(view, follower):
     with watched(view.address, width=700, scheme="dark") as page:
         # as many as the pipe holds: none is dropped

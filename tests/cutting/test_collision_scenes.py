@@ -104,7 +104,10 @@ def test_collisions_of_random_scenes(first):
 
 @pytest.mark.parametrize(
     "first",
-    [pytest.param(first, marks=pytest.mark.sweep if first < 120 else pytest.mark.thorough) for first in range(30, 300, 45)],
+    [
+        pytest.param(first, marks=pytest.mark.sweep if first < 120 else pytest.mark.thorough)
+        for first in range(30, 300, 45)
+    ],
 )
 def test_collisions_of_many_random_scenes(first):
     assert sum(check(seed) for seed in range(first, first + 45)) > 10

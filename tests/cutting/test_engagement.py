@@ -115,6 +115,35 @@ def test_width_of_a_ball_in_a_plane():
     assert engagement.depth[-1] == pytest.approx(BALL, abs=2e-5)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_thickest_chip_of_a_ball_is_at_the_border_of_its_cut(side):
+    """In a plane, and beside the groove of a pass before, where it is in the corner of both: closed forms."""
+    radius, depth, step, axis = 4e-3, 1.636e-3, 2e-3, np.array([0.0, side * math.sin(0.26), math.cos(0.26)])
+    profile = ToolProfile.of(ToolFigures("ball", 2.0 * radius, flute_length=6e-3))
+    stock = DexelStock.box((0.0, -6e-3, -4e-3), (8e-3, 8e-3, 0.0), 1e-4)
+    wide = math.sqrt(radius**2 - (radius - depth) ** 2)
+    shares = []
+    for y in (0.0, step):
+        centre = straight((-5e-3, y, radius - depth), (9e-3, y, radius - depth))
+        found = stock.cut(profile, stations(centre - radius * axis, np.tile(axis, (len(centre), 1))))
+        shares.append(found.chip_share[(centre[:, 0] > 2e-3) & (centre[:, 0] < 4.5e-3)])
+    assert shares[0] == pytest.approx(np.full(len(shares[0]), wide / radius), rel=1e-3)
+    corner = math.sqrt(wide**2 - (wide - step) ** 2) / radius
+    # an edge of the stock is told to half a cell, rather too high than too low: 2 percent of the chip at most
+    assert (1.0 - 3e-3) * corner <= shares[1].min() and shares[1].max() <= 1.025 * corner
+
+
+def test_some_stations_of_a_table_are_as_they_were():
+    table, _, _ = SCENES["ball, 30 aside"].cut(4e-4, None)
+    chosen = np.array([3, 5, len(table.along) - 1])
+    part = table.at(chosen)
+    assert len(part.first_arc) == 4 and part.slice_height == table.slice_height
+    for k, i in enumerate(chosen):
+        own, old = (slice(*each.first_arc[j : j + 2]) for each, j in ((part, k), (table, i)))
+        assert (part.entry[own] == table.entry[old]).all() and (part.slice[own] == table.slice[old]).all()
+    assert (part.chip_share == table.chip_share[chosen]).all()
+
+
 def test_the_end_cuts_in_a_plunge():
     engagement, _, stock = plunged(tool("flat")).cut(DEFAULT, 5)
     assert engagement.bottom[-1] == 1.0 and engagement.along[-1] == pytest.approx(-1.0)

@@ -12,7 +12,7 @@ import toolpace as tp
 from tests.support.limited_plans import SLOT, limited_slot, machine
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
-from toolpace.cutting.feeds.limited_plan import BELOW, few_places, same_path
+from toolpace.cutting.feeds.limited_plan import BELOW, DEPARTURE, at_stations, few_places, same_path
 from toolpace.judge import cut
 from toolpace.programs.speed_profile import SpeedProfile
 
@@ -28,6 +28,39 @@ def test_a_line_of_few_places_is_never_above_and_hardly_below(seed):
     assert kept[0] == 0 and kept[-1] == 299
     assert (line <= most * (1.0 + 1e-12)).all() and (line >= most * (1.0 - BELOW) - 1e-12).all()
     assert len(few_places(s, (1.0 + s) * (1.0 - 1e-9 * rng.random(300)))) == 2
+
+
+EXITS = {
+    "a slot": lambda x: 1.0 / np.sqrt(np.maximum(1.0 - (np.maximum(x, 0.0) / 5.0) ** 2, 0.04)),
+    "a kink": lambda x: 1.0 + np.maximum(x - 0.7321, 0.0),
+    "an entry": lambda x: np.where(x < 1.0377, 6.0, 1.0),
+    "an exit": lambda x: np.where(x < 1.0377, 1.0, 6.0),
+    "steps": lambda x: 1.0 + 0.3 * np.floor(x),
+}
+"""Most speed along a way of 5 mm."""
+
+
+@pytest.mark.parametrize("name", EXITS)
+@pytest.mark.parametrize("seed", range(5))
+def test_a_line_between_stations_is_below_what_the_cut_allows(name, seed):
+    """Stations at random ways from a twentieth to a tenth of a millimetre."""
+    rng = np.random.default_rng(seed)
+    place = np.concatenate([[0.0], np.cumsum(rng.uniform(0.05, 0.1, 60))])
+    most = EXITS[name](place)
+    found = at_stations(place, most[1:])
+    x = np.linspace(place[0], place[-1], 20_001)
+    assert (np.interp(x, place, found) <= EXITS[name](x) * (1.0 + 2.0 * DEPARTURE)).all()
+    if name == "a slot":
+        bends = place < 4.0
+        assert (found[bends] >= 0.99 * most[bends]).all()
+    if name == "steps":
+        assert (found == most).sum() >= 45
+
+
+def test_a_speed_without_a_limit_stays_without_one():
+    found = at_stations(np.arange(6.0), np.array([1.0, np.inf, np.inf, np.inf, 2.0]))
+    assert found.tolist() == [1.0, 1.0, 1.0, np.inf, 2.0, 2.0]
+    assert at_stations(np.array([0.0, 1.0]), np.array([3.0])).tolist() == [3.0, 3.0]
 
 
 def test_a_profile_is_straight_between_its_places_and_jumps_at_doubled_ones():

@@ -106,6 +106,7 @@ def test_one_of_two_processes_compiles_and_both_find_all(tmp_path, smallest):
     assert start(tmp_path, "-c", SOME, json.dumps(smallest)).communicate(timeout=600) == ("0 True True\n", "")
 
 
+@pytest.mark.sweep
 def test_a_cut_cache_is_told_and_compiled_again(tmp_path, smallest):
     start(tmp_path, "-c", SOME, json.dumps(smallest)).communicate(timeout=600)
     for file in tmp_path.rglob(f"*{SUFFIX}"):
@@ -115,6 +116,7 @@ def test_a_cut_cache_is_told_and_compiled_again(tmp_path, smallest):
     assert said.count("\n") == 1 and said.startswith("warning: ") and "damaged" in said
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_one_that_is_stopped_while_it_compiles_leaves_nothing_locked(tmp_path, how):
     compiling = start(tmp_path, "-m", "toolpace.kernels.ahead_of_time")

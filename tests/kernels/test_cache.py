@@ -167,6 +167,7 @@ def test_without_any_folder_a_temporary_one_serves_the_process(tmp_path, monkeyp
     assert not store.folder.parent.parent.exists()
 
 
+@pytest.mark.sweep
 def test_a_kernel_is_compiled_once_and_again_where_its_file_is_cut(tmp_path):
     first, found, said = forward(TOOLPACE_CACHE=tmp_path)
     assert found == 0 and said == []

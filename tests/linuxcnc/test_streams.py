@@ -7,13 +7,17 @@ import pytest
 from testbed.linuxcnc.streams import STREAMS, played
 
 MICROMETRE = 1e-6
+LIKE_OTHERS = ("three axes, 2 ms", "3+2 by the tip", "two tools")
+"""Streams each feature of which another one has too."""
 REACH = 0.1
 """Distance from an axis at which two micrometres are asked of what turns [m]."""
 
 
 @pytest.mark.linuxcnc
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", STREAMS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.thorough if name in LIKE_OTHERS else pytest.mark.sweep) for name in STREAMS],
+)
 def test_a_stream_takes_the_time_of_the_plan_and_every_joint_is_where_it_says(name, tmp_path):
     """The sheet's two tools are 20 and 35 mm, the machine's own has none: between them the stream waits."""
     case = STREAMS[name]

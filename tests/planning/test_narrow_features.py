@@ -48,9 +48,16 @@ def used_about(trajectory: Trajectory, place: float, width: float) -> float:
     return float(max(np.abs(share).max() for share in shares))
 
 
-@pytest.mark.parametrize("mesh", [30, 300, pytest.param(None, marks=pytest.mark.sweep)])
-def test_a_bend_of_any_width_is_planned_for(mesh):
-    for seed in range(24):
+@pytest.mark.parametrize(
+    ("mesh", "seeds"),
+    [
+        (30, range(24)), (300, range(24)), pytest.param(None, range(12), marks=pytest.mark.sweep),
+        pytest.param(None, range(12, 24), marks=pytest.mark.thorough),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_bend_of_any_width_is_planned_for(mesh, seeds):
+    for seed in seeds:
         random = np.random.default_rng([seed, 11])
         joints, width = int(random.integers(1, 5)), 10.0 ** random.uniform(-8.0, -2.0)
         path, place = bend(random, width, joints)
@@ -73,9 +80,15 @@ def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
             assert motion.usage().worst == pytest.approx(real, rel=0.05) or motion.usage().worst > real
 
 
-@pytest.mark.sweep
-def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows():
-    for seed in range(24):
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(12), marks=pytest.mark.sweep, id="some"),
+        pytest.param(range(12, 24), marks=pytest.mark.thorough, id="many"),
+    ],
+)
+def test_a_blip_as_wide_as_is_told_is_planned_for_and_a_narrower_one_shows(seeds):
+    for seed in seeds:
         random = np.random.default_rng([seed, 17])
         joints = int(random.integers(1, 5))
         for width in (PLANNED, SHOWN):

@@ -24,7 +24,7 @@ from toolpace.planning.planner import plan
             "a bend of 1e-7 of the run between nine probes of a cell: jerk 7e9 times its limit",
             marks=pytest.mark.sweep,
         ),
-        (1005020, "the same in motion on a fixed mesh: 35 000 times"),
+        pytest.param(1005020, "the same in motion on a fixed mesh: 35 000 times", marks=pytest.mark.sweep),
         (1001824, "a bend of the third derivative at a hint of the path, inside a cell of a fixed mesh: 1.01"),
         (1003624, "the same between two hints inside a cell: 1.019"),
         (1007407, "a top between probes that were at 0.94 of the limit: 1.0006"),

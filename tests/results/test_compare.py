@@ -196,6 +196,7 @@ def test_both_tools_run_and_every_place_leads_to_both(plans, page):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_it_is_played_by_keys_and_names_are_text(plans, tmp_path):
     """And a plan of another path runs beside, and gains nothing."""
     page, apart = tmp_path / "page.html", tmp_path / "apart.html"

@@ -17,6 +17,8 @@ from toolpace.study import simulation
 from toolpace.study.simulation import DEFLECTION, Study
 from toolpace.study.tables import all_errata, comparison
 
+pytestmark = pytest.mark.sweep
+
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Study]:

@@ -6,6 +6,8 @@ F = Kc A + Ke L, with the area A of the chips and the length L of the edges in m
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.ndimage import grey_opening
 
@@ -72,25 +74,30 @@ def chips_along(
     return area, edge
 
 
-def forces_along(
-    stock: HeightField,
-    tips: np.ndarray,
-    feeds: np.ndarray,
-    radius: float,
-    teeth: int,
-    turns: float,
-    edge_share: float,
-    narrowest: float,
-) -> np.ndarray:
-    """(n,) largest force on each way between tips (n + 1, 3) [mm] at feeds (n,) [mm/s], with Kc = 1 and Ke as a share
-    of it [mm]; `turns` a second. Ways that are not level only cut. narrowest: see `chips_along`."""
-    found = np.zeros(len(feeds))
-    for k, feed in enumerate(feeds):
-        start, end = tips[k], tips[k + 1]
+Chips = tuple[np.ndarray, np.ndarray]
+"""Of a way: (steps, angles) area of the chips per feed per tooth [mm], and length of the edges [mm]."""
+
+
+def chips_of_ways(stock: HeightField, tips: np.ndarray, radius: float, teeth: int, narrowest: float) -> list[Chips]:
+    """Cut along the ways between tips (n + 1, 3) [mm]. Those that are not level only cut. narrowest: see
+    `chips_along`."""
+    found = []
+    for start, end in pairwise(tips):
         if np.linalg.norm((end - start)[:2]) < 1e-9 or abs(end[2] - start[2]) > 1e-6:
             for share in np.linspace(0.0, 1.0, 20):
                 stock.cut(start + share * (end - start), radius)
-            continue
-        area, edge = chips_along(stock, start, end, radius, teeth, narrowest)
-        found[k] = float((area * feed / (turns * teeth) + edge_share * edge).max(initial=0.0))
+            found.append((np.zeros((1, 1)), np.zeros((1, 1))))
+        else:
+            found.append(chips_along(stock, start, end, radius, teeth, narrowest))
     return found
+
+
+def forces_of(chips: list[Chips], feeds: np.ndarray, teeth: int, turns: float, edge_share: float) -> np.ndarray:
+    """(n,) largest force on each way at feeds (n,) [mm/s], with Kc = 1 and Ke as a share of it [mm]; `turns` a second.
+
+    Where the feed is zero it is that of the edges alone.
+    """
+    largest = [
+        (area * feed / (turns * teeth) + edge_share * edge).max(initial=0.0) for (area, edge), feed in zip(chips, feeds)
+    ]
+    return np.array(largest)

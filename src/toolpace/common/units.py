@@ -146,6 +146,11 @@ def parse_stiffness(text: str) -> float:
     return _parse(text, STIFFNESSES, "stiffness", "12N/um", positive=True)
 
 
+def parse_power(text: str) -> float:
+    """Power [W] of text such as `15kW`; UsageError where it is none, zero or negative."""
+    return _parse(text, {"kW": 1e3, "W": 1.0}, "power", "15kW", positive=True)
+
+
 def parse_spindle_speed(text: str) -> float:
     """Turns of a spindle per second [1/s] of text such as `18000rpm`; UsageError where it is none."""
     return _parse(text, SPINDLE_SPEEDS, "spindle speed", "18000rpm", positive=True)

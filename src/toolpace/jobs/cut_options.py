@@ -91,9 +91,9 @@ class CutOptions:
         with steps.step("planning within the cut") as step:
             learns = self.rules.way == "learned"
             reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            rules = replace(self.rules.for_machine(job.machine), spindle=job.options.setup.spindle)
             found = plan_within_cut(
-                toolpath, job.machine, job.options.setup, self.rules.for_machine(job.machine), job.tip_tolerance,
-                job.axis_tolerance,
+                toolpath, job.machine, job.options.setup, rules, job.tip_tolerance, job.axis_tolerance,
                 effort=effort_for(job.effort, job.planner), planner=job.planner, margin=self.margin,
                 resolution=self.resolution, memory=self.memory, reached=reached, progress=step,
             )  # fmt: skip
@@ -113,15 +113,14 @@ class CutOptions:
         part: tuple[CutLimitsRecord, bytes],
     ) -> Verification:  # fmt: skip
         """The judge's word, with that on the cut of the set-points along the program."""
-        from toolpace.judge.cut import checks_of_cut, not_judged
         from toolpace.motion.setpoints import in_memory
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
-            checks = [not_judged("the tool bends")]
-            if job.tool is None:
-                promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
-                checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
+            checks = write.judged_cut(
+                part[0], write.cut_arrays(part[1]), in_memory(points), toolpath, job.options.setup, job.machine,
+                bends=job.tool is not None,
+            )  # fmt: skip
         return replace(found, checks=(*found.checks, *checks))
 
 

@@ -2,6 +2,7 @@
 
 plan the program, and cut the stock along the motion
 the speed that its control reaches in each block      by its model
+speeds of the spindle, where they may change          OperationSpeed
 feeds by air, teachers or limits                      FeedPlan
 written into the program, and read back
 the time before and after                             by the control's model, with its range
@@ -9,8 +10,9 @@ the time before and after                             by the control's model, wi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from toolpace.jobs import TimedSteps
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.feed_plan import FeedPlan
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.cutting.feeds.spindle_speeds import OperationSpeed
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.programs.reading import ReadOptions, Source
 
@@ -42,6 +45,8 @@ class NewFeeds:
     written: FeedProgram
     before: ProgramTime
     after: ProgramTime
+    spindle: tuple[OperationSpeed, ...] = ()
+    """Of each operation; empty where no speed may change and no tool has a stability chart."""
 
     @property
     def simulation(self) -> CutSimulation:
@@ -49,11 +54,16 @@ class NewFeeds:
         return self.cut.simulation
 
 
-def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool, steps: TimedSteps) -> NewFeeds:
-    """New feeds of one program. Raises ToolpaceError."""
+def new_feeds(
+    program: str, request: CutRequest, rules: FeedRules, divide: bool, steps: TimedSteps, turns: bool = False
+) -> NewFeeds:
+    """New feeds of one program; turns: with other spindle speeds too, of those that the tool table allows. Raises
+    ToolpaceError."""
     from toolpace.controls.export.cut_feeds import with_cut_feeds
+    from toolpace.controls.export.spindle_words import SpindleWords
     from toolpace.controls.timing.program_time import figures_for
     from toolpace.cutting.feeds.feed_plan import plan_feeds
+    from toolpace.cutting.feeds.spindle_speeds import spindle_speeds
     from toolpace.programs.reading import Source
     from toolpace.programs.reading.languages import with_controller
 
@@ -65,16 +75,24 @@ def new_feeds(program: str, request: CutRequest, rules: FeedRules, divide: bool,
         before = control_time(source, request, options, figures)
         reached = speeds_reached(cut.toolpath, request.machine, figures)
     tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
+    rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
+    text, toolpath = source, cut.toolpath
+    speeds: tuple[OperationSpeed, ...] = ()
+    if turns or any(each is not None and each.stability is not None for each in tools):
+        with steps.step("spindle speeds") as step:
+            words = SpindleWords.of(source, request.machine, request.dialect, options, toolpath)
+            speeds = spindle_speeds(cut.simulation, toolpath, tools, rules, words.together() if turns else ())
+            text, toolpath = words.with_ratios([each.ratio for each in speeds])
+            step.note = f"{sum(each.ratio != 1.0 for each in speeds)} operations with another speed"
     with steps.step("feeds") as step:
-        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules.for_machine(request.machine), reached)
-        written = with_cut_feeds(
-            source, request.machine, request.dialect, options, cut.toolpath, plan, divide
-        )
+        ratio = [each.ratio for each in speeds]
+        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached, ratio)
+        written = with_cut_feeds(text, request.machine, request.dialect, options, toolpath, plan, divide)
         step.note = f"{written.changed} blocks with another feed"
     with steps.step("time after"):
         after = control_time(Source.from_bytes(written.data, source.name), request, options, figures)
     name = found.controller.name if found.controller is not None else ""
-    return NewFeeds(program, name, figures.model, cut, rules, plan, written, before, after)
+    return NewFeeds(program, name, figures.model, cut, rules, plan, written, before, after, speeds)
 
 
 def control_time(
@@ -115,6 +133,15 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
         "blocks_changed": found.written.changed,
         "blocks_divided": found.written.divided,
         "lines_above": list(found.written.above),
+        "spindle": [
+            {
+                "name": each.name, "tool": each.tool, "before_rpm": 60.0 * each.before, "after_rpm": 60.0 * each.after,
+                "cutting_diameter_mm": 1e3 * each.diameter, "depth_mm": 1e3 * each.depth,
+                "stable_depth_mm": None if math.isnan(each.stable_depth) else 1e3 * each.stable_depth,
+                "line": each.line, "reason": each.reason,
+            }
+            for each in found.spindle if not math.isnan(each.before)
+        ],
         "largest": largest,
         "teachers": [
             {
@@ -128,7 +155,10 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
             {"line": each.line, "tool": each.tool, "limit": each.limit, "share": each.share, "always": each.always}
             for each in found.plan.overloads
         ],
-        "kept": [{"reason": each.reason, "duration_s": each.seconds} for each in found.plan.kept],
+        "kept": [
+            {"reason": each.reason, "duration_s": each.seconds, "lines": [list(part) for part in each.lines]}
+            for each in found.plan.kept
+        ],
         "notes": list(found.plan.notes),
     }  # fmt: skip
 

@@ -177,14 +177,22 @@ class Rows:
 
         Infinite where a limit that depends on the speed is zero or less.
         """
-        value = self.values(q, state)
-        if self.lines is not None:
-            above, below = self.limits_at(q, state[1])
-            limit = np.where(value >= 0.0, above, below)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                value = np.where(limit > 0.0, value / limit, np.where(value == 0.0, 0.0, np.inf))
-        largest: Floats = np.abs(value).max(axis=1)
+        largest: Floats = self.line_ratios(q, state).min(axis=2).max(axis=1)
         return largest
+
+    def line_ratios(self, q: Floats, state: Floats) -> Floats:
+        """(n, k, choices) the same over each line: of the least of the choices the largest counts. Smooth along a path,
+        where the limit bends, too."""
+        value = self.values(q, state)
+        if self.lines is None:
+            return np.abs(value)[:, :, None]
+        height, fall = np.moveaxis(self.line_shares(q), 5, 0)
+        above, below = height - fall * state[1][:, None, None, None]
+        value = value[:, :, None, None]
+        limit = np.where(value >= 0.0, above, below)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios: Floats = np.where(limit > 0.0, np.abs(value) / limit, np.where(value == 0.0, 0.0, np.inf))
+        return ratios.reshape(len(value), -1, ratios.shape[3])
 
     def steady(self, q: Floats) -> tuple[Floats, Floats]:
         """(n,) the most z at steady speed, and (n,) the most d3s/dt3 at rest; inf where the rows hold nothing."""

@@ -213,12 +213,39 @@ class LimitCheck:
         q = np.ascontiguousarray(self.run.evaluate(s))
         used, place = peaks.used.copy(), peaks.place.copy()
         for rows in self.limits.rows:
-            ratio, kind = rows.ratio(q, state), rows.order
-            top = usage.peaks(law.inside, ratio[:, None])[:, 0]
-            higher = top > used[:, kind]
-            used[higher, kind] = top[higher]
-            place[higher, kind] = law.inside[ratio.reshape(len(which), -1).argmax(axis=1)][higher]
+            of_lines, kind = rows.line_ratios(q, state), rows.order
+            ratio = of_lines.min(axis=2)
+            highest = by_cell(ratio.max(axis=1), which).argmax(axis=1)
+            tops = [(usage.peaks(law.inside, ratio).max(axis=1), law.inside[highest])]
+            if of_lines.shape[2] > 1:
+                tops.append(tops_at_corners(by_cell(of_lines, which), law.inside))
+            for top, there in tops:
+                higher = top > used[:, kind]
+                used[higher, kind], place[higher, kind] = top[higher], there[higher]
         return Peaks(used, place)
+
+
+def by_cell(values: Floats, cells: Ints) -> Floats:
+    """(cells, probes, ...) of values (cells probes, ...)."""
+    out: Floats = values.reshape(len(cells), -1, *values.shape[1:])
+    return out
+
+
+def tops_at_corners(ratios: Floats, inside: Floats) -> tuple[Floats, Floats]:
+    """(cells,) highest tops, and their shares of the cells, of ratios (cells, probes, k, choices) of which the least of
+    the choices counts: where one takes over from another between two probes, straight between these."""
+    low, high = ratios[:, :-1], ratios[:, 1:]
+    first, second = (part.argmin(axis=3)[..., None] for part in (low, high))
+    (a0, a1), (b0, b1) = (
+        [np.take_along_axis(part, choice, axis=3)[..., 0] for part in (low, high)] for choice in (first, second)
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (b0 - a0) / ((b0 - a0) + (a1 - b1))
+        top = np.nan_to_num(a0 + share * (a1 - a0), nan=0.0, posinf=0.0, neginf=0.0)
+    top = top.max(axis=2)
+    at = top.argmax(axis=1)
+    which = np.arange(len(top))
+    return top[which, at], 0.5 * (inside[at] + inside[at + 1])
 
 
 def between(count: int) -> Floats:

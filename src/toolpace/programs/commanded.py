@@ -60,8 +60,8 @@ class Commanded(ByValue):
     joining: Ints
     """(n,) BLENDED, EXACT_PATH or EXACT_STOP: how the move meets the next."""
     tolerance: Floats
-    """(n,) how far blending may leave the path [m] (P of G64, CYCLE832, cycle 32); inf where the program does not
-    say."""
+    """(n,) how far blending may leave the path [m] (P of G64, CYCLE832, cycle 32); inf where the program asks for no
+    tolerance (G64), nan before it has asked for anything."""
     axis_tolerance: Floats
     """(n,) how far rotary axes may leave theirs [rad] (TA of cycle 32, OTOL, CYCLE832); nan where the program does not
     say."""

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 
 from toolpace.common.errors import UsageError
 from toolpace.common.units import DEGREE, LONGEST_TOOL, WIDEST_TOOL
+from toolpace.programs.spindle_figures import SpeedCurve
 
 ToolKind = Literal["flat", "bull", "ball", "taper", "barrel", "lens", "drill", "chamfer", "face"]
 KINDS: tuple[ToolKind, ...] = get_args(ToolKind)
@@ -18,6 +19,8 @@ MOST_RUNOUT = 0.1
 """Over the diameter: more is a slip."""
 ROUNDING = 1e-6
 """By how much of itself a figure may differ from one that it has to equal."""
+MOST_CUTTING_SPEED = 200.0
+"""[m/s]: more is a slip of the unit."""
 PITCH_ROUNDING = 0.1 * DEGREE
 """By how much the sum of the pitches may differ from a full turn [rad]: people write them with two decimals."""
 
@@ -77,6 +80,12 @@ class ToolFigures:
     """Turns per second [1/s], where the sheet tells it in place of the program."""
     clockwise: bool = True
     """Seen from the spindle, as M3 turns it."""
+    spindle_range: tuple[float, float] | None = None
+    """Least and most turns per second that may be chosen for it [1/s]; None: the program's speed stays."""
+    cutting_speed: float | None = None
+    """Most speed of its edge in what is cut [m/s]."""
+    stability: SpeedCurve | None = None
+    """Depth along the axis [m] above which it chatters, over spindle speed: a chart that was measured or computed."""
     source: str = field(default="", compare=False)
     """Where the figures are from: the sheet and its table, or the line of the program."""
     assumed: tuple[str, ...] = field(default=(), compare=False)
@@ -136,6 +145,12 @@ def _out_of_range(tool: ToolFigures) -> Iterator[str]:
         yield f"teeth = {tool.teeth}: write how many, from 1 to {MOST_TEETH}"
     if tool.spindle_speed is not None and not 0.0 < tool.spindle_speed < math.inf:
         yield f"spindle_speed is {tool.spindle_speed * 60.0:g} rpm: give one above zero"
+    if tool.spindle_range is not None and not 0.0 < tool.spindle_range[0] <= tool.spindle_range[1] < math.inf:
+        low, high = (60.0 * each for each in tool.spindle_range)
+        yield f"spindle_range is {low:g} to {high:g} rpm: give the least speed first, both above zero"
+    if tool.cutting_speed is not None and not 0.0 < tool.cutting_speed <= MOST_CUTTING_SPEED:
+        most = MOST_CUTTING_SPEED * 60.0
+        yield f"cutting_speed is {tool.cutting_speed * 60.0:g} m/min: give one above zero, and at most {most:g} m/min"
 
 
 def _contradictions(tool: ToolFigures) -> Iterator[str]:

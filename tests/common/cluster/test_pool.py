@@ -100,8 +100,9 @@ def test_a_client_of_ones_own_stays_open(two):
 
 
 @pytest.mark.sweep
-def test_no_scheduler_there():
+def test_no_scheduler_there(monkeypatch):
     pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "CONNECT", 1.0)
     message = r"--cluster tcp://127.0.0.1:9: no scheduler answers .* `dask scheduler`"
     with pytest.raises(ClusterError, match=message), open_pool("tcp://127.0.0.1:9"):
         pass

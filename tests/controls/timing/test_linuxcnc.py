@@ -23,7 +23,14 @@ HEAD = "G21 G90 G94 G17 {mode}\nG0 X0 Y0 Z0 A0 C0\n"
 SMOOTHED = 3.1e-3
 """A log is two cycles longer than the motion: LinuxCNC takes means of joints over three; and one for the start [s]."""
 
+TURNS = (
+    "X10 Y5\nA-5 C20\nX20 Z2\nG1 X30 F1500\nA-10 C30 F2000\nX40 Y10 F1500\nA0\nZ5\nX30\nG0 A-4\nC10\nY0"
+)
+"""Turns in place between ways."""
+
 RECORDED = [
+    ("", TURNS, 6.443),
+    ("G64", TURNS, 5.711),
     ("G64", "G1 X20 F600", 2.069),
     ("G61", "G1 X20 F600", 2.036),
     ("G64", "G1 X20 F1000\nG1 Y20\nG1 X0\nG1 Y0", 4.795),
@@ -45,7 +52,8 @@ RECORDED = [
     ("G64", "G93\nG1 X12 F30\nY9 F70\nX8 Y12.5 F110\nX7.9 Y12.6 F150\nX0 Y12 F190\nX0 Y0 F230", 4.437),
     ("G64", "G0 X12\nY9\nX8 Y12.5\nX7.9 Y12.6\nX0 Y12\nX0 Y0", 2.354),
 ]
-"""Path mode, blocks, and the time from the first moving cycle to the last in LinuxCNC's log [s]."""
+"""Path mode, blocks, and the time from the first moving cycle to the last in LinuxCNC's log [s]; without a mode it
+blends within a tolerance of its own."""
 
 
 def moves_of(blocks: str, mode: str = "G64", machine: Machine = MACHINE):

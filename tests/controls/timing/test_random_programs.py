@@ -106,9 +106,15 @@ def test_with_roundings_no_control_that_keeps_jerk_is_faster_than_the_optimum_or
     check_roundings(seed)
 
 
-@pytest.mark.sweep
-def test_90_programs_with_stops_and_10_with_roundings():
-    for seed in range(1000, 1090):
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(1000, 1090), marks=pytest.mark.sweep, id="some"),
+        pytest.param(range(1090, 1270), marks=pytest.mark.thorough, id="many"),
+    ],
+)
+def test_many_programs_with_stops_and_a_tenth_as_many_with_roundings(seeds):
+    for seed in seeds:
         check_exact_stops(seed)
-    for seed in range(2000, 2010):
-        check_roundings(seed)
+    for seed in seeds[:: 9]:
+        check_roundings(1000 + seed)

@@ -80,7 +80,11 @@ def _program(case: Case, poses: np.ndarray, turning: tuple[str, str]) -> str:
 
 
 @pytest.mark.linuxcnc
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.module.split()[0])
+@pytest.mark.parametrize(
+    "case",
+    [CASES[0], *(pytest.param(case, marks=pytest.mark.sweep) for case in CASES[1:])],
+    ids=lambda case: case.module.split()[0],
+)
 def test_joints_of_the_real_kinematics_are_those_of_the_machine_that_was_read(case, tmp_path):
     configuration = _configuration(case)
     configuration.write(tmp_path)

@@ -53,6 +53,8 @@ def test_how_moves_meet_is_what_is_in_force_where_they_stand() -> None:
     assert moves.tolerance[1:] == pytest.approx([5e-5, math.inf, math.inf, math.inf, 2e-4, math.inf])
     assert moves.cam_tolerance[1] == pytest.approx(1e-5)
     assert np.isnan(moves.cam_tolerance[2:]).all()
+    # before the first word the control's own tolerance is in force, which is not that of G64
+    assert commanded("G1 X1 F600\nG64\nG1 X2\n").tolerance[1:] == pytest.approx([math.nan, math.inf], nan_ok=True)
     # in the mode of exact stops the control rests by that mode, not by a word
     assert not moves.stop[1:-1].any()
 

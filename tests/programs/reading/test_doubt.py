@@ -114,10 +114,16 @@ def test_random_programs_do_not_move_otherwise_unsaid(dialect):
     assert came["right"] > 1
 
 
-@pytest.mark.sweep
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(1000, 1040), marks=pytest.mark.sweep, id="some"),
+        pytest.param(range(1040, 1100), marks=pytest.mark.thorough, id="many"),
+    ],
+)
 @pytest.mark.parametrize("dialect", RANDOM)
-def test_many_random_programs_do_not_move_otherwise_unsaid(dialect):
-    assert "unsaid" not in {outcome for _, _, outcome in random_outcomes(dialect, range(1000, 1040))}
+def test_many_random_programs_do_not_move_otherwise_unsaid(dialect, seeds):
+    assert "unsaid" not in {outcome for _, _, outcome in random_outcomes(dialect, seeds)}
 
 
 def test_the_table_of_confusions_counts_each_program_once(tmp_path, capsys):

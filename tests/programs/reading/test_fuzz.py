@@ -195,20 +195,22 @@ def mutated(seed: str, chance: random.Random) -> bytes:
     return data.encode()
 
 
+@pytest.mark.parametrize("numbers", [range(800), pytest.param(range(800, 2000), marks=pytest.mark.thorough)], ids=str)
 @pytest.mark.parametrize("dialect", [pytest.param(d, marks=pytest.mark.sweep) if d == "gcode" else d for d in SEEDS])
-def test_mutated_programs(dialect):
-    chance = random.Random(20260101)
-    for number in range(800):
+def test_mutated_programs(dialect, numbers):
+    chance = random.Random(20260101 + numbers.start)
+    for number in numbers:
         check(mutated(SEEDS[dialect], chance), dialect if number % 4 else None, MACHINE if number % 3 else None)
 
 
+@pytest.mark.parametrize("numbers", [range(280), pytest.param(range(280, 700), marks=pytest.mark.thorough)], ids=str)
 @pytest.mark.parametrize("controller", CONTROLLED)
 @pytest.mark.sweep
-def test_mutated_programs_of_a_controller(controller):
+def test_mutated_programs_of_a_controller(controller, numbers):
     """Loops, calls, cycles and planes with something wrong in them end in a path or in one clear error."""
-    chance = random.Random(20260102)
+    chance = random.Random(20260102 + numbers.start)
     assert len(read_for(controller, CONTROLLED[controller].replace("F#[100+1]", "F100"), MACHINE)) > 5
-    for number in range(280):
+    for number in numbers:
         text = mutated(CONTROLLED[controller], chance).decode("latin-1")
         try:
             path = read_for(controller, text or " ", MACHINE if number % 3 else None, most_blocks=3000)

@@ -43,6 +43,7 @@ def test_curves_are_those_of_the_run(page):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_it_plays_and_names_are_text(page, tmp_path):
     """And its colours are changed by a button, as are those of a page without any script of its own."""
     plain = tmp_path / "plain.html"

@@ -118,6 +118,7 @@ def test_the_tool_is_where_the_motion_says_and_everything_leads_there(planned):
 
 
 @pytest.mark.browser
+@pytest.mark.sweep
 def test_it_plays_and_is_played_by_keys(planned):
     with opened(planned.page, width=700, scheme="dark") as page:
         page.run("toolpace.play()")

@@ -14,7 +14,7 @@ from rich.text import Text
 from toolpace.cli import options
 from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
 from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
-from toolpace.common.errors import UsageError, printable
+from toolpace.common.errors import UsageError, did_you_mean, printable
 from toolpace.common.units import format_time, parse_feed, parse_length
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
 
+SPINDLE = ("program", "range")
 SHOWN = 8
 """Teachers and overloads that are listed."""
 Way = Annotated[
@@ -182,6 +183,13 @@ def feeds_command(
     *,
     machine: options.MachineName = None,
     allowed: Allowed = AS_IN_AIR,
+    spindle: Annotated[
+        str,
+        Parameter(
+            help="program: the spindle speeds are those of the program. range: each operation gets the speed at which "
+            "its cut is fastest, within spindle_range and cutting_speed of its tool and what the spindle gives."
+        ),
+    ] = "program",
     whole_blocks: Annotated[bool, Parameter(negative=(), help="Divide no block.")] = False,
     out: Out = None,
     report: Report = None,
@@ -218,6 +226,8 @@ def feeds_command(
     from toolpace.jobs.cut import CutRequest
     from toolpace.jobs.feeds import feeds_record, new_feeds
 
+    if spindle not in SPINDLE:
+        raise UsageError(f"--spindle {spindle[:40]} is not known; {did_you_mean(spindle[:40], SPINDLE)}")
     if save_teachers is not None and allowed.feeds != "learned":
         raise UsageError(f"--save-teachers goes with --feeds learned, and the feeds are '{allowed.feeds}'")
     if out is not None:
@@ -238,7 +248,7 @@ def feeds_command(
     )  # fmt: skip
     console = new_console()
     steps = Steps(Console(stderr=True, highlight=False, markup=False) if json else console)
-    found = new_feeds(program, request, rules, not whole_blocks, steps)
+    found = new_feeds(program, request, rules, not whole_blocks, steps, spindle == "range")
     if out is not None:
         with whole_file(out) as temporary:
             temporary.write_bytes(found.written.data)
@@ -296,7 +306,34 @@ def show_feeds(console: Console, found: NewFeeds) -> None:
         words = [old.name or "-", old.tool or "-", *times, f"{round(100.0 * less, 1) + 0.0:.1f} %"]
         table.add_row(*cells(words))
     console.print(table)
+    _show_spindle(console, found)
     _show_loads(console, found)
+
+
+def _show_spindle(console: Console, found: NewFeeds) -> None:
+    """Speeds before and after, with the surface speed where the tool cuts the widest, and cuts that chatter."""
+    speeds = [each for each in found.spindle if not math.isnan(each.before)]
+    if not speeds:
+        return
+    words = ["operation", "tool", "spindle", "after", "cuts at", "surface", "depth", "stable", "why"]
+    table = new_table(words, left=("operation", "tool", "why"))
+    for each in speeds:
+        surface = 60.0 * math.pi * each.diameter * each.after
+        table.add_row(
+            *cells([
+                each.name or "-", each.tool or "-", f"{60.0 * each.before:.0f} rpm", f"{60.0 * each.after:.0f} rpm",
+                f"{1e3 * each.diameter:.3g} mm", f"{surface:.0f} m/min", f"{1e3 * each.depth:.3g} mm",
+                "-" if math.isnan(each.stable_depth) else f"{1e3 * each.stable_depth:.3g} mm", each.reason,
+            ])
+        )  # fmt: skip
+    console.print(table)
+    for each in speeds:
+        if each.chatters:
+            console.print(
+                f"line {each.line}, tool {printable(each.tool)}: the cut is {1e3 * each.depth:.3g} mm deep, and at "
+                f"{60.0 * each.after:.0f} rpm its stability chart has {1e3 * each.stable_depth:.3g} mm: it may chatter",
+                soft_wrap=True,
+            )
 
 
 def _show_loads(console: Console, found: NewFeeds) -> None:
@@ -315,7 +352,9 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
             table.add_row(*cells([load.tool or "-", name, *words]))
         console.print(table)
     for kept in found.plan.kept:
-        console.print(f"as it was for {format_time(kept.seconds)}: {kept.reason}", soft_wrap=True)
+        where = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in kept.lines[:SHOWN])
+        where += ", ..." if len(kept.lines) > SHOWN else ""
+        console.print(f"as it was for {format_time(kept.seconds)}: {kept.reason}; lines {where}", soft_wrap=True)
     for teacher in (listed := by_line(found.plan.teachers))[:SHOWN]:
         where = f"{printable(teacher.program)}, " * bool(teacher.program) + f"line {teacher.line}"
         console.print(

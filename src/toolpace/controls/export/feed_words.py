@@ -262,7 +262,7 @@ class Sinumerik(WordAddress):
 
     def editable(self, lines: Sequence[str]) -> list[bool]:
         """All but those of threads, cycles and statements, and those whose F is an expression."""
-        codes = [_bare(line) for line in lines]
+        codes = [bare(line) for line in lines]
         return [
             able and self._NAMED.search(code) is None and not self._unknown(code)
             for able, code in zip(super().editable(lines), codes)
@@ -278,7 +278,7 @@ class Sinumerik(WordAddress):
         return f"{letters}={feed}" if letters == "FB" or (letters == "FZ" and not inverse) else f"F{feed}"
 
     def _code(self, line: str) -> str:
-        return _bare(line)
+        return bare(line)
 
     def _place(self, code: str) -> tuple[int, int] | None:
         match = self._FEED.search(code)
@@ -288,7 +288,7 @@ class Sinumerik(WordAddress):
         return self._OTHER.search(code) is not None and self._FEED.search(code) is None
 
 
-def _bare(line: str) -> str:
+def bare(line: str) -> str:
     """A line with its comment and its texts blanked out; a ; within a text begins no comment."""
     match = _BEFORE_COMMENT.match(line)
     end = match.end() if match else len(line)

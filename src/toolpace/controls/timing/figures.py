@@ -136,7 +136,8 @@ class ControlFigures(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     model: Literal["linuxcnc", "sinumerik", "heidenhain", "fanuc", "lookahead", "ideal"] = "lookahead"
     tolerance: Positive | None = None
-    """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 P."""
+    """How far corners are rounded where the program does not say [mm]; 0.01, or as LinuxCNC does without G64 or
+    its P."""
     axis_tolerance: Positive = 0.05
     """The same of turns, where the program does not say [deg]."""
     compress: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)] | None = None

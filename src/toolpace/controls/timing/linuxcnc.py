@@ -25,6 +25,8 @@ NONE = 1e-8
 """[mm, deg] less than this of an axis is no motion of it."""
 LEAST_RATE = 0.1 / MINUTE
 """Least speed that inverse time comes to [mm/s]."""
+AT_START = 0.0254
+"""Tolerance of blending before the first G64 of a program [mm]: what its canon begins with, 0.001 inch."""
 FAR = 1e9
 """In place of what nothing limits [mm, s]."""
 MOST_CYCLES = 2e7
@@ -89,7 +91,8 @@ class Canon:
             top = np.where(least > 0.0, np.minimum(size / least, FAR), FAR)
             acceleration = np.where(slowest > 0.0, np.minimum(size / slowest, FAR), FAR)
             jerk = np.where(sharpest > 0.0, size / sharpest, FAR)
-            straight = np.where(stands[:, None], 0.0, xyz / np.linalg.norm(xyz, axis=1)[:, None])
+            # where X, Y, Z stand its lines point to +X
+            straight = np.where(stands[:, None], [1.0, 0.0, 0.0], xyz / np.linalg.norm(xyz, axis=1)[:, None])
         rate = np.where(stands, rows.turn[last], rows.speed[last])
         figures = np.column_stack([
             np.where(arc, ARC, LINE), rows.rapid[last], way[:, 3:].any(axis=1) * np.where(stands, 2.0, 1.0), size,
@@ -152,7 +155,8 @@ class _Rows:
         self.rapid = moves.rapid[of]
         self.speed, self.turn = self._rates(moves)
         self.joining = moves.joining[of]
-        self.tolerance = np.where(np.isfinite(moves.tolerance), moves.tolerance, 0.0)[of] / MILLIMETRE
+        within = np.where(np.isfinite(moves.tolerance), moves.tolerance / MILLIMETRE, 0.0)
+        self.tolerance = np.where(np.isnan(moves.tolerance), AT_START, within)[of]
         self.chained = chained[of]
         is_last = np.append(of[1:] != of[:-1], True)
         self.wait = np.where(is_last, _waits(moves, waits)[of], -1.0)

@@ -95,7 +95,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
     surface = profile.surface(np.minimum(middles, profile.length))
     beyond = profile.surface(np.minimum(middles + height, profile.length))[0]
     slices = Slices(np.asarray(middles), *surface, beyond, profile.flat_radius, height)
-    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n)]
+    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n, n)]
     found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), *zeros)
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
@@ -127,6 +127,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         width=found.width,
         depth=found.depth,
         penetration=found.penetration,
+        chip_share=found.chip_share,
     )
 
 

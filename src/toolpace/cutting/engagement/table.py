@@ -7,7 +7,7 @@ axis; where the tool moves along its axis only (ACROSS), the last feed across it
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -46,3 +46,20 @@ class EngagementTable:
     """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
     of them within material to its surface. They remove nothing themselves; what they met is removed at the end of a
     stretch, so that a collision is told once and with its whole depth. (0, 2) where it was not looked for."""
+    chip_share: Floats = field(default_factory=lambda: np.zeros(0))
+    """(n,) thickest chip over the feed per tooth of even teeth: how far the surface moves outward in material at most,
+    over the way of the tip. It is looked for up to where material ends, which arcs tell to half a slice only. (0,)
+    where it was not looked for, 0 where the tip stands."""
+
+    def at(self, stations: Ints) -> EngagementTable:
+        """Of some stations (m,)."""
+        n, count = len(self.along), np.diff(self.first_arc)[stations]
+        within = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+        arc = np.repeat(self.first_arc[stations], count) + within
+        own = {each.name: getattr(self, each.name) for each in fields(self) if each.name not in _OF_ARCS}
+        of_stations = {name: value[stations] for name, value in own.items() if np.ndim(value) and len(value) == n}
+        of_arcs = {name: getattr(self, name)[arc] for name in ("slice", "entry", "exit")}
+        return replace(self, first_arc=np.append(0, np.cumsum(count)), **of_arcs, **of_stations)
+
+
+_OF_ARCS = frozenset({"first_arc", "slice", "entry", "exit"})

@@ -36,7 +36,10 @@ class FeedMoves:
     stretches: tuple[CutStretch, ...]
     places: tuple[Places, ...]
     before: tuple[Floats, ...]
-    """(n,) of each stretch, the program's feed on the way to each station [m/s]; 0 where none is known."""
+    """(n,) of each stretch, the program's feed on the way to each station [m/s], times the `ratio` of its operation,
+    which is the same chip; 0 where none is known."""
+    ratio: tuple[float, ...] = ()
+    """Of each operation, its spindle speed over that of the program; empty where they are the same."""
 
     @classmethod
     def of(
@@ -46,15 +49,20 @@ class FeedMoves:
         tools: Sequence[ToolFigures | None],
         rules: FeedRules,
         reached: Floats | None,
+        ratio: Sequence[float] = (),
     ) -> FeedMoves:
-        """Those of a program that was cut."""
+        """Those of a program that was cut; ratio: of the spindle speed of each operation to the program's."""
         stretches = tuple(each for each in simulation.stretches if not each.rapid and len(each.stations) > 1)
         own = toolpath.most_speed
         feeds = (own[each.stations.point] for each in stretches)
         return cls(
             toolpath, tools, rules, reached, stretches,
             tuple(Places.of(toolpath, each.stations) for each in stretches),
-            tuple(np.where(np.isfinite(feed), feed, 0.0) for feed in feeds),
+            tuple(
+                np.where(np.isfinite(feed), feed, 0.0) * (ratio[each.operation] if ratio else 1.0)
+                for each, feed in zip(stretches, feeds)
+            ),
+            tuple(ratio),
         )  # fmt: skip
 
     @property
@@ -87,17 +95,24 @@ class FeedMoves:
         moved: Floats = np.divide(steps, stretch.seconds, out=np.zeros(len(steps)), where=stretch.seconds > 0.0)
         return moved
 
+    def ratio_of(self, stretch: CutStretch) -> float:
+        """Of the spindle speed of a stretch to the program's."""
+        return self.ratio[stretch.operation] if self.ratio else 1.0
+
     def forces(self, stretch: CutStretch, engagement: EngagementTable, turns: float) -> EngagedForces:
-        """Of the tool of a stretch in an engagement, at turns per second [1/s]. Raises UsageError without teeth."""
+        """Of the tool of a stretch in an engagement, where the program has turns per second [1/s]. Raises UsageError
+        without teeth."""
         tool, figures = self.tool(stretch), self.figures(stretch)
         if figures.teeth is None:
             raise UsageError(
                 f"tool {tool}: the number of teeth is not known; write teeth in its table of the set-up sheet"
             )
-        return EngagedForces(engagement, figures, self.rules.material_of(tool) or ANY, abs(turns))
+        turns = abs(turns) * self.ratio_of(stretch)
+        return EngagedForces(engagement, figures, self.rules.material_of(tool) or ANY, turns)
 
     def spindle(self, stretch: CutStretch) -> Floats:
-        """(n,) turns per second [1/s], signed by the sense. Raises UsageError where nothing tells them."""
+        """(n,) turns per second of the program [1/s], signed by the sense. Raises UsageError where nothing tells
+        them."""
         figures = self.figures(stretch)
         speed = self.toolpath.spindle[stretch.stations.point]
         told = np.isfinite(speed) & (speed != 0.0)
@@ -120,7 +135,8 @@ class FeedMoves:
         return self.toolpath.operations[stretch.operation].tool
 
     def by_spindle(self, stretch: CutStretch, chosen: Bools | None = None) -> Iterator[tuple[float, Bools]]:
-        """Each spindle speed of a stretch [1/s], and (n,) the stations that have it, of the chosen ones."""
+        """Each spindle speed that the program has in a stretch [1/s], and (n,) the stations that have it, of the chosen
+        ones."""
         spindle = self.spindle(stretch)
         for turns in np.unique(spindle if chosen is None else spindle[chosen]).tolist():
             at = spindle == turns

@@ -92,6 +92,8 @@ class KeptFeed:
 
     reason: str
     seconds: float
+    lines: tuple[tuple[int, int], ...] = ()
+    """First and last line of each stretch of neighbouring lines of which some of the way keeps its feed so."""
 
 
 @dataclass(frozen=True)
@@ -121,36 +123,46 @@ def plan_feeds(
     tools: Sequence[ToolFigures | None],
     rules: FeedRules,
     reached: Floats | None = None,
+    ratio: Sequence[float] = (),
 ) -> FeedPlan:
     """The feeds of a program by what it cuts; as they are where the stock is a guess.
 
     tools: figures of the tool of each operation. reached: (points,) speed that the control reaches on the way to each
-    point of the program [m/s]; None: that of the motion that was cut. Raises UsageError where a figure is missing that
-    `rules` need, and where they name a tool or an operation that the program does not have.
+    point of the program [m/s]; None: that of the motion that was cut. ratio: of the spindle speed of each operation to
+    the program's, see `spindle_speeds`; empty: the same. Raises UsageError where a figure is missing that `rules`
+    need, and where they name a tool or an operation that the program does not have.
     """
     rules.check(toolpath)
-    moves = FeedMoves.of(simulation, toolpath, tools, rules, reached)
-    work = _Planning(simulation, moves)
+    written = FeedMoves.of(simulation, toolpath, tools, rules, reached)
+    moves = FeedMoves.of(simulation, toolpath, tools, rules, reached, ratio) if len(ratio) else written
+    work = _Planning(simulation, moves, written)
     after = work.guessed() if simulation.guessed else work.feeds()
-    kept = sorted(work.kept.items(), key=lambda each: -each[1])
+    kept = sorted(work.kept.items(), key=lambda each: -each[1].sum())
     return FeedPlan(
         moves.places, tuple(after), work.operation_times(after), tuple(work.sources), tuple(work.teachers),
-        work.overloads(), largest_loads(moves, after), tuple(work.notes),
-        tuple(KeptFeed(*each) for each in kept if each[1] >= SHOWN),
+        work.overloads(), largest_loads(written, moves, after), tuple(work.notes),
+        tuple(
+            KeptFeed(why, float(time.sum()), neighbours(np.flatnonzero(time > 0.0)))
+            for why, time in kept if time.sum() >= SHOWN
+        ),
     )  # fmt: skip
 
 
 class _Planning:
     """The work on one program."""
 
-    def __init__(self, simulation: CutSimulation, moves: FeedMoves) -> None:
-        self.simulation, self.moves, self.rules = simulation, moves, moves.rules
+    def __init__(self, simulation: CutSimulation, moves: FeedMoves, written: FeedMoves) -> None:
+        self.simulation, self.moves, self.written, self.rules = simulation, moves, written, moves.rules
         self.notes: list[str] = []
         self.teachers: list[Teacher] = []
         self.sources = [np.full(len(each), SOURCES.index(FEED)) for each in moves.before]
         """(n,) of each stretch what sets its speeds; from `cap` on, which limit does where one does."""
         self.worst: dict[tuple[str, bool], Overload] = {}
-        self.kept: dict[str, float] = defaultdict(float)
+        lines = int(moves.toolpath.block.max(initial=0)) + 1
+        self.kept: dict[str, Floats] = defaultdict(lambda: np.zeros(lines))
+        """By reason, time of each line that keeps its feed so [s]."""
+        self.finishing = np.zeros(2)
+        """Where a surface is made that stays: at the program's feed, and at that which all else would allow [s]."""
         self.times = np.zeros(2)
         """Of what is cut: with all teachers, and without the heaviest time [s]."""
         self.air_feed = self.rules.air_feed or self.rules.machine_feed or moves.highest
@@ -170,7 +182,8 @@ class _Planning:
             might = f"; were it that, its {format_time(old)} at feed would be {format_time(new)}"
         except UsageError as error:
             might = f"; with a stock that is known it needs more: {error}"
-        self.teachers, self.worst, self.kept = [], {}, defaultdict(float)
+        self.teachers, self.worst = [], {}
+        self.kept.clear()
         self.notes.append(
             "the stock is a guess, and on a guess no feed is raised: tell it on the set-up sheet, like [stock] "
             f"box{corners}{might}"
@@ -179,7 +192,7 @@ class _Planning:
 
     def feeds(self) -> list[Floats]:
         """Those by the rules, of each stretch."""
-        known = taught(self.moves) if self.rules.way == "learned" else {}
+        known = taught(self.written) if self.rules.way == "learned" else {}
         self.teachers = [each for key in sorted(known) for each in known[key].teachers]
         found = [self.of_stretch(k, known) for k in range(len(self.moves.stretches))]
         if self.times[1] > (1.0 + HARDLY) * self.times[0]:
@@ -188,6 +201,12 @@ class _Planning:
                 f"is cut would take {format_time(self.times[1])} in place of {format_time(self.times[0])}; look at them"
             )
         self.tell_rubbing()
+        if self.finishing[0] - self.finishing[1] > SHOWN and not self.simulation.guessed:
+            own, might = map(format_time, self.finishing.tolist())
+            self.notes.append(
+                f"for {own} the tool makes surfaces that stay, and keeps the program's feed: with --finishing these "
+                f"places would take {might}, and their surface would be made at another feed"
+            )
         return found
 
     def of_stretch(self, k: int, known: Mapping[tuple[str, float], Taught]) -> Floats:
@@ -209,10 +228,11 @@ class _Planning:
             bound = np.where(loaded & lower, cap, math.inf)
             cap = np.minimum(cap, most)
             if math.isfinite(rules.raise_at_most):
-                cap = np.minimum(cap, rules.raise_at_most * before)
+                cap = np.minimum(cap, rules.raise_at_most * self.written.before[k])
             speed = np.where(loaded, cap if lower else np.maximum(cap, before), speed)
         if not rules.finishing:
-            finishes = self.finishes(stretch, (speed > before) & ~stands)
+            finishes = finishing_stations(self.simulation, self.moves, stretch, (speed > before) & ~stands)
+            self.finishing += [self.moves.time(k, each)[finishes].sum() for each in (before, speed)]
             speed, why = np.where(finishes, before, speed), np.where(finishes, FINISHES, why)
         place, steps = self.moves.places[k], rules.steps
         sets = np.where(why == AS_TAUGHT, SOURCES.index(TAUGHT), self.sources[k])
@@ -234,9 +254,9 @@ class _Planning:
         anything; and (n,) what holds it."""
         moves, stretch, before = self.moves, self.moves.stretches[k], self.moves.before[k]
         tool, found, speed = moves.tool(stretch), before.copy(), np.maximum(before, 1e-9)
-        limits = self.rules.limits_of(tool)
         why = np.where(why == MAY_CUT, NOT_TOLD, why)
         for turns, at in moves.by_spindle(stretch):
+            limits = self.rules.limits_of(tool, abs(turns) * moves.ratio_of(stretch))
             if self.rules.way == "learned":
                 if (tool, turns) not in known:
                     continue
@@ -283,7 +303,8 @@ class _Planning:
         """Add for how long feeds (n,) of a stretch stay, and why (n,)."""
         time = np.where(np.abs(after - before) <= 1e-9 * before, self.moves.time(k, before), 0.0)
         for each in np.unique(why[time > 0.0]).tolist():
-            self.kept[REASONS[each]] += float(time[why == each].sum())
+            there = why == each
+            np.add.at(self.kept[REASONS[each]], self.moves.stretches[k].stations.block[there], time[there])
 
     def tell_rubbing(self) -> None:
         """Note how long each tool cuts chips that are thinner than its edge is sharp."""
@@ -292,9 +313,9 @@ class _Planning:
             if self.moves.figures(stretch).teeth is None:
                 continue
             for turns, at in self.moves.by_spindle(stretch, stretch.cutting):
-                forces, feed = self.moves.forces(stretch, stretch.certain, turns), self.moves.before[k]
+                forces, feed = self.written.forces(stretch, stretch.certain, turns), self.written.before[k]
                 thin = at & (feed / (abs(turns) * forces.tooth_count) < RUBBING)
-                times[self.moves.tool(stretch)] += float(self.moves.time(k, feed)[thin].sum())
+                times[self.moves.tool(stretch)] += float(self.written.time(k, feed)[thin].sum())
         self.notes += [
             f"tool {tool}: for {format_time(time)} it cuts less than {1e6 * RUBBING:g} um per tooth, which an edge of "
             "carbide hardly does: it may rub"
@@ -310,25 +331,6 @@ class _Planning:
             if worst.share < found.share:
                 self.worst[tool, always] = found
 
-    def finishes(self, stretch: CutStretch, asked: Bools) -> Bools:
-        """(n,) which of some stations make a surface that is left at the end: a larger, lower tool is in it.
-
-        A pass that finds nothing more to cut is one of them: it takes what bending left.
-        """
-        figures = self.moves.figures(stretch)
-        off = stretch.resolution
-        wider = replace(
-            figures,
-            diameter=figures.diameter + 2.0 * off,
-            corner_radius=figures.corner_radius + off if figures.corner_radius > 0.0 else 0.0,
-        )
-        stations = stretch.stations.where(asked)
-        lower: Stations = replace(stations, tip=stations.tip - off * stations.axis)
-        depth = self.simulation.left.nominal.depth_in_material((ToolProfile.of(wider).cutting,), lower)
-        found = asked.copy()
-        found[asked] = depth > 0.5 * off
-        return found
-
     def overloads(self) -> tuple[Overload, ...]:
         """The worst first."""
         return tuple(sorted(self.worst.values(), key=lambda each: -each.share))
@@ -338,9 +340,35 @@ class _Planning:
         operations = self.moves.toolpath.operations
         times = np.zeros((len(operations), 2))
         for k, stretch in enumerate(self.moves.stretches):
-            times[stretch.operation] += [self.moves.time(k, each[k]).sum() for each in (self.moves.before, after)]
+            times[stretch.operation] += [self.moves.time(k, each[k]).sum() for each in (self.written.before, after)]
         return tuple(
             OperationFeeds(each.name, each.tool, float(old), float(new))
             for each, (old, new) in zip(operations, times)
             if old > 0.0
         )
+
+
+def neighbours(lines: Ints) -> tuple[tuple[int, int], ...]:
+    """First and last of each row of lines (n,) that ascend by one."""
+    parts = np.split(lines, np.flatnonzero(np.diff(lines) > 1) + 1) if len(lines) else []
+    return tuple((int(part[0]), int(part[-1])) for part in parts)
+
+
+def finishing_stations(simulation: CutSimulation, moves: FeedMoves, stretch: CutStretch, asked: Bools) -> Bools:
+    """(n,) which of some stations make a surface that is left at the end: a larger, lower tool is in it.
+
+    A pass that finds nothing more to cut is one of them: it takes what bending left.
+    """
+    figures = moves.figures(stretch)
+    off = stretch.resolution
+    wider = replace(
+        figures,
+        diameter=figures.diameter + 2.0 * off,
+        corner_radius=figures.corner_radius + off if figures.corner_radius > 0.0 else 0.0,
+    )
+    stations = stretch.stations.where(asked)
+    lower: Stations = replace(stations, tip=stations.tip - off * stations.axis)
+    depth = simulation.left.nominal.depth_in_material((ToolProfile.of(wider).cutting,), lower)
+    found = asked.copy()
+    found[asked] = depth > 0.5 * off
+    return found

@@ -28,13 +28,14 @@ class LargestLoad:
     after: float
 
 
-def largest_loads(moves: FeedMoves, after: Sequence[Floats]) -> tuple[LargestLoad, ...]:
-    """The largest loads of each tool; of one whose figures do not tell them, none."""
+def largest_loads(written: FeedMoves, moves: FeedMoves, after: Sequence[Floats]) -> tuple[LargestLoad, ...]:
+    """The largest loads of each tool, as the program is written and at the feeds `after` of its moves; of one whose
+    figures do not tell them, none."""
     found: dict[tuple[str, str], Floats] = {}
     for k, stretch in enumerate(moves.stretches):
         tool, figures = moves.tool(stretch), moves.figures(stretch)
         try:
-            loads = [_loads_at(moves, k, feed) for feed in (moves.before[k], after[k])]
+            loads = [_loads_at(each, k, feed) for each, feed in ((written, written.before[k]), (moves, after[k]))]
         except UsageError:
             continue
         told = {"chip", "removal_rate"}

@@ -46,9 +46,11 @@ from toolpace.programs.toolpath import ToolPath, check_toolpath
 if TYPE_CHECKING:
     from toolpace.programs.reading.coordinates.setup import SetUp
 
-SMOOTH = 0.01
-"""Share by which the speeds of neighbouring stations may differ for the speed to be straight between them: at an entry,
-at an exit and at a corner they differ by more."""
+DEPARTURE = 1e-3
+"""Share by which what a cut allows may be below a straight line between two stations, before the line is lowered: the
+profile is as far below it."""
+UNLIMITED = 1e3
+"""Stands for a speed without a limit [m/s]."""
 FINE = 1.0005
 """Between two speeds that are next to each other: few values are of no use here."""
 BELOW = 2e-3
@@ -207,7 +209,7 @@ def _pieces(trajectory: Trajectory, stations: Stations, speed: Floats, source: I
         on = np.append(on, len(s) - 1)
         # of ways that are none the next one's speed holds from where they stand
         s, of_way, sets = s[on], speed[first + on[1:]], source[first + on[1:]]
-        most = at_stations(of_way)
+        most = at_stations(s, of_way)
         kept = few_places(s, most)
         start, entry = trajectory.axis_path.runs[k].entries()
         place = np.interp(s[kept], start, ways_between(entry))
@@ -215,18 +217,29 @@ def _pieces(trajectory: Trajectory, stations: Stations, speed: Floats, source: I
     return found
 
 
-def at_stations(speed: Floats) -> Floats:
+def at_stations(place: Floats, speed: Floats) -> Floats:
     """(n + 1,) most speed at stations, from that which the pose at the end of each way between them allows (n,).
 
-    Where that of a neighbour is lower by more than SMOOTH something begins or ends between them, nobody knows where: it
-    holds at both.
+    place: (n + 1,) of the stations along the path, ascending. Between two stations the speed may depart from a straight
+    line: at an exit it bends, at an entry it jumps, nobody knows where. The slopes before and behind tell how much: a
+    kink from one to the other departs by a quarter of what they differ by, and what their mean does not explain is a
+    jump. Where that is more than DEPARTURE both stations are lowered by it, or the lower one holds at both, whichever
+    costs less.
     """
-    own = np.concatenate([speed[:1], speed])
+    own = np.minimum(np.concatenate([speed[:1], speed]), UNLIMITED)
+    way = np.diff(place)
+    slope = np.diff(own) / way
+    before, behind = np.append(slope[1:2], slope[:-1]), np.append(slope[1:], slope[-2:-1])
+    if len(slope) == 1:
+        before = behind = np.zeros(1)
+    departs = 0.25 * np.abs(behind - before) * way + np.abs(slope - 0.5 * (before + behind)) * way
+    low, high = np.minimum(own[:-1], own[1:]), np.maximum(own[:-1], own[1:])
+    holds = departs > np.minimum(0.5 * (high - low), 0.5 * low)
+    off = np.where(departs > DEPARTURE * low, departs, 0.0)
     found = own.copy()
-    for one, other in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
-        lower = own[other] < (1.0 - SMOOTH) * own[one]
-        found[one] = np.where(lower, np.minimum(found[one], own[other]), found[one])
-    return found
+    for ends in (slice(None, -1), slice(1, None)):
+        found[ends] = np.minimum(found[ends], np.where(holds & (off > 0.0), low, own[ends] - off))
+    return np.where(found < UNLIMITED, found, np.inf)
 
 
 def _parameters(trajectory: Trajectory, stations: Stations) -> Iterator[tuple[int, int, int, Floats]]:

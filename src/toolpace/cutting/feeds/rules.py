@@ -13,6 +13,7 @@ from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.schedule import Steps
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.machine.machine import Machine
+from toolpace.programs.spindle_figures import SpindleFigures
 from toolpace.programs.toolpath import ToolPath
 
 WAYS = ("air", "learned", "limits")
@@ -41,6 +42,8 @@ class FeedRules:
     """By tool, as the program calls it; "" for all, where a tool has none of that kind of its own."""
     materials: Mapping[str, Coefficients] = field(default_factory=dict)
     """By tool likewise."""
+    spindle: SpindleFigures = field(default_factory=SpindleFigures)
+    """What the machine's spindle gives: limits of torque and power of what has a material."""
     left_alone: frozenset[str] = frozenset()
     """Names of operations whose feeds stay."""
     not_teaching: frozenset[str] = frozenset()
@@ -62,15 +65,24 @@ class FeedRules:
         slowest = float(machine.limits.velocity[machine.linear].min())
         return replace(self, machine_feed=slowest) if math.isfinite(slowest) else self
 
-    def limits_of(self, tool: str) -> CutLimits:
-        """Its own, and of each kind that it has none of, that for all. Raises UsageError where one needs a material."""
+    def limits_of(self, tool: str, turns: float = math.nan) -> CutLimits:
+        """Its own, and of each kind that it has none of, that for all; at turns of the spindle per second [1/s] no more
+        than that gives. Raises UsageError where one needs a material."""
         tables = [self.limits.get(name, CutLimits()) for name in (tool, "")]
         own, usual = ({each.name: getattr(table, each.name) for each in fields(table)} for table in tables)
         found = CutLimits(**{name: usual[name] if value is None else value for name, value in own.items()})
         forces = [name for name in found.names if name not in WITHOUT_MATERIAL]
         if forces and self.material_of(tool) is None:
             raise UsageError(f"limit of the cut: {forces[0]} is of a force; give a --material, as Al7075-T6")
-        return found
+        return found if math.isnan(turns) or self.material_of(tool) is None else self.within_spindle(found, turns)
+
+    def within_spindle(self, limits: CutLimits, turns: float) -> CutLimits:
+        """Limits with no more torque and power than the spindle gives at turns per second [1/s]."""
+        for name in ("torque", "power"):
+            curve, own = getattr(self.spindle, name), getattr(limits, name)
+            if curve is not None:
+                limits = replace(limits, **{name: min(curve.at(turns), math.inf if own is None else own)})
+        return limits
 
     def material_of(self, tool: str) -> Coefficients | None:
         """What it cuts; None where it is not told."""

@@ -35,7 +35,7 @@ NEARLY = 0.9
 SAME_SPEED = 1e-6
 """Share by which spindle speeds of two programs may differ by rounding."""
 FILE = "teachers.json"
-NOT_OF_THE_TOOL = ("source", "assumed", "spindle_speed")
+NOT_OF_THE_TOOL = ("source", "assumed", "spindle_speed", "spindle_range", "cutting_speed", "stability")
 """Figures of a tool that two programs may tell in different ways."""
 
 

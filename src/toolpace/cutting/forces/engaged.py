@@ -187,10 +187,20 @@ class EngagedForces:
             deflection=peak[:, DEFLECTION] if bends else none,
             surface=left[:, 0::2],
             surface_height=left[:, 1::2],
-            chip=peak[:, THICKNESS],
+            chip=self._thickest(speed, peak[:, THICKNESS]),
             chip_area=peak[:, kernel.AREA],
             edge_length=peak[:, kernel.LENGTH],
         )
+
+    def _thickest(self, speed: npt.ArrayLike, of_points: Floats) -> Floats:
+        """(n,) thickest chips at speeds (n,) [m]; of_points: those at points of the edge whose slice is in material."""
+        share = self.engagement.chip_share
+        if not len(share) or not self.alike:
+            return of_points
+        told = np.asarray(speed) * share / (self.tooth_count * self.turns_per_second)
+        # of the flat end, and where only the axis turns, the points alone tell
+        at_end = self.engagement.bottom > 0.0
+        return np.where(at_end, np.maximum(told, of_points), np.where(told > 0.0, told, of_points))
 
     def along(self, stations: Stations) -> CutLoads:
         """Loads at stations (n,), at the speed of the way to each and with its axis turning; none to the first.

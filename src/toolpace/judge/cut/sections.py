@@ -105,11 +105,12 @@ class Surface:
         self.poses, self.shapes, self.stock, self.k = poses, shapes, stock, k
         self.before = near(motion, k, poses, shapes)
 
-    def in_material(self, length: Floats, angle: Floats) -> Bools:
-        """(n,) whether it moves into material at lengths (n,) of the meridian [m] and angles (n,) [rad]."""
+    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0) -> Bools:
+        """(n,) whether it moves into material at lengths (n,) of the meridian [m] and angles (n,) [rad]; into that of a
+        stock which is larger by a margin [m]."""
         found: Bools = self.motion.outwards(length, angle) > 0.0
         place = self.motion.place(length[found], angle[found])
-        found[found] = self.stock(place)
+        found[found] = self.stock(place, margin)
         found[found] = ~reached(self.motion.place(length[found], angle[found]), self.before, self.poses, self.shapes)
         return found
 
@@ -141,10 +142,10 @@ class Surface:
         edges = bands_of(self.shape, self.top())
         return Section(edges, self.arcs(edges.mean(axis=1)))
 
-    def seen_at(self, lengths: Floats, count: int) -> Bools:
-        """(m, count) whether it is in material at lengths (m,), at so many angles from 0 on."""
+    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0) -> Bools:
+        """(m, count) whether it is in material at lengths (m,), at so many angles from 0 on; see `in_material`."""
         angle = (np.arange(count) + 0.5) * TURN / count
-        found = self.in_material(np.repeat(lengths, count), np.tile(angle, len(lengths)))
+        found = self.in_material(np.repeat(lengths, count), np.tile(angle, len(lengths)), margin)
         return found.reshape(len(lengths), count)
 
     def arcs(self, lengths: Floats) -> tuple[tuple[int, float, float], ...]:

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 
-Stock = Callable[[Floats], Bools]
-"""Tells which points (k, 3) are within the stock."""
 COLUMNS = 16, 512
 """Columns along each side in which the triangles of a mesh are kept: least and most."""
 AT_ONCE = 1 << 21
 """Pairs of a point and a triangle that are looked at in one piece."""
 
 
+class Stock(Protocol):
+    """Tells which points (k, 3) are within the stock, or no further from it than a margin [m]."""
+
+    def __call__(self, place: Floats, margin: float = 0.0, /) -> Bools: ...
+
+
 def box_stock(low: Floats, high: Floats, uncertainty: float) -> Stock:
     """A box between its least and its most corner (3,) [m]; its edges are round where it is larger."""
 
-    def within(place: Floats) -> Bools:
+    def within(place: Floats, margin: float = 0.0) -> Bools:
         off = np.maximum(np.maximum(low - place, place - high), 0.0)
-        return np.asarray(np.linalg.norm(off, axis=1) <= uncertainty)
+        return np.asarray(np.linalg.norm(off, axis=1) <= uncertainty + margin)
 
     return within
 
@@ -31,11 +35,11 @@ def cylinder_stock(lower: Floats, upper: Floats, diameter: float, uncertainty: f
     """A cylinder between the centres of its ends (3,) [m]."""
     length = float(np.linalg.norm(upper - lower))
 
-    def within(place: Floats) -> Bools:
+    def within(place: Floats, margin: float = 0.0) -> Bools:
         along = (place - lower) @ ((upper - lower) / length)
         beside = np.sqrt(np.maximum(np.einsum("kc,kc->k", place - lower, place - lower) - along**2, 0.0))
         off = np.maximum(np.maximum(-along, along - length), 0.0), np.maximum(beside - 0.5 * diameter, 0.0)
-        return np.asarray(np.hypot(*off) <= uncertainty)
+        return np.asarray(np.hypot(*off) <= uncertainty + margin)
 
     return within
 
@@ -47,12 +51,12 @@ class MeshStock:
     once. Rays go askew, so that none is along a face that people draw. Triangles are kept in columns along the rays.
     """
 
-    def __init__(self, triangles: Floats, uncertainty: float) -> None:
+    def __init__(self, triangles: Floats, uncertainty: float, most_margin: float = 0.0) -> None:
         self.uncertainty = uncertainty
         self.origin = triangles.min(axis=(0, 1))
         self.frame = _askew()
         self.triangles: Floats = (triangles - self.origin) @ self.frame.T
-        room = uncertainty + 1e-9
+        room = uncertainty + most_margin + 1e-9
         low, high = self.triangles.min(axis=1) - room, self.triangles.max(axis=1) + room
         self.low, sides = low.min(axis=0)[:2], np.ptp(np.concatenate([low, high]), axis=0)[:2]
         self.count = int(np.clip(math.sqrt(len(triangles)), *COLUMNS))
@@ -68,8 +72,8 @@ class MeshStock:
         self.owner: Ints = owner[order]
         self.first: Ints = np.searchsorted(key[order], np.arange(self.count**2 + 1))
 
-    def __call__(self, place: Floats) -> Bools:
-        """(k,) which points (k, 3) are within it."""
+    def __call__(self, place: Floats, margin: float = 0.0, /) -> Bools:
+        """(k,) which points (k, 3) are within it, or within a margin of it [m]."""
         at = (place - self.origin) @ self.frame.T
         found = np.zeros(len(at), dtype=np.bool_)
         column = self._column(at[:, :2])
@@ -85,7 +89,7 @@ class MeshStock:
             which = np.repeat(np.arange(begin, end), counts[some])
             offset = np.arange(len(which)) - np.repeat(np.cumsum(counts[some]) - counts[some], counts[some])
             triangle = self.triangles[self.owner[self.first[key[which]] + offset]]
-            found[point[some]] = self._within(at[point[which]], triangle, which - begin, end - begin)
+            found[point[some]] = self._within(at[point[which]], triangle, which - begin, end - begin, margin)
             begin = end
         return found
 
@@ -94,14 +98,15 @@ class MeshStock:
         found: Ints = np.clip((place - self.low) / self.size, 0, self.count - 1).astype(np.int64)
         return found
 
-    def _within(self, place: Floats, triangle: Floats, owner: Ints, count: int) -> Bools:
+    def _within(self, place: Floats, triangle: Floats, owner: Ints, count: int, margin: float) -> Bools:
         """(count,) which points are within, by pairs of one (m, 3) and a triangle (m, 3, 3)."""
         leaves = np.bincount(owner, _crossing(place, triangle), count) > 0.5
-        if self.uncertainty <= 0.0:
+        room = self.uncertainty + margin
+        if room <= 0.0:
             return leaves
         far = ~leaves[owner]
         near = np.zeros(count, dtype=np.bool_)
-        near[owner[far][_square_distance(place[far], triangle[far]) <= self.uncertainty**2]] = True
+        near[owner[far][_square_distance(place[far], triangle[far]) <= room**2]] = True
         return leaves | near
 
 

@@ -51,6 +51,8 @@ class Found(NamedTuple):
     width: Floats
     depth: Floats
     flat: Floats
+    chip_share: Floats
+    """(n,) of the way of the tip, by which the surface moves outward in material at most."""
 
 
 class Above(NamedTuple):
@@ -141,9 +143,9 @@ def cut_along(
             low, high = poses.low[k], poses.high[k]
             if k > 0 and low <= high:
                 pose_at(poses, k, found.feed[i], pose)
-                progress[ARCS], found.width[i], found.depth[i], found.flat[i] = contact(
-                    field, pose, slices, low, high, arcs, progress[ARCS], cell, least
-                )
+                (
+                    progress[ARCS], found.width[i], found.depth[i], found.flat[i], found.chip_share[i]
+                ) = contact(field, pose, slices, low, high, arcs, progress[ARCS], cell, least)
             found.last_arc[i] = progress[ARCS]
         progress[AT] += 1
     while until == len(poses.travel) and progress[CUT] < until:

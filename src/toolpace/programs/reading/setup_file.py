@@ -31,7 +31,13 @@ from toolpace.programs.reading.coordinates.work_coordinates import Datum
 from toolpace.programs.reading.findings import Used
 from toolpace.programs.reading.points import FARTHEST
 from toolpace.programs.reading.setup_tables.quantities import ANGLES, LENGTHS, MOST_TURN
-from toolpace.programs.reading.setup_tables.tools import ToolTables, lines_to_fill_in, tool_table, tool_table_to_fill_in
+from toolpace.programs.reading.setup_tables.tools import (
+    ToolTables,
+    lines_to_fill_in,
+    spindle_table,
+    tool_table,
+    tool_table_to_fill_in,
+)
 from toolpace.programs.reading.setup_tables.workpiece import STOCK_TO_FILL_IN, WorkpieceTables, workpiece_tables
 from toolpace.programs.stock_figures import WorkpieceFigures
 from toolpace.programs.tool_figures import ToolFigures
@@ -40,7 +46,7 @@ FILE = TableFile("set-up sheet", longest=1_000_000)
 LETTERS = "XYZABCUVW"
 TABLES = (
     "units", "offsets", "references", "machine_zero", "tools", "part", "start", "variables", "times", "stock",
-    "finished_part", "fixtures",
+    "finished_part", "fixtures", "spindle",
 )  # fmt: skip
 MOST_REFERENCES = 4
 LONGEST_NAME = 100
@@ -98,6 +104,7 @@ def setup_text(setup: SetUp) -> str:
         "variables": dict(setup.variables),
         "times": {"tool_change": setup.tool_change} if setup.tool_change else {},
         **workpiece_tables(setup.workpiece),
+        "spindle": spindle_table(setup.spindle),
     }
     filled = {name: table for name, table in tables.items() if table}
     return toml_text({"units": {"length": "m", "angle": "rad"}, **filled})
@@ -147,6 +154,7 @@ class _Sheet(ToolTables, WorkpieceTables):
             part=self.part(),
             tool_change=self.tool_change(),
             workpiece=self.workpiece(),
+            spindle=self.spindle(),
         )
 
     def named(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.judge.cut import CutPromise
     from toolpace.judge.cut.stocks import Stock
+    from toolpace.judge.verification import Check
     from toolpace.machine.machine import Machine
+    from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.stock_figures import StockFigures
     from toolpace.programs.toolpath import ToolPath
@@ -113,24 +116,53 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     return stream.getvalue()
 
 
+def judged_cut(
+    record: CutLimitsRecord, file: Mapping[str, Floats | Ints], points: SetPoints, toolpath: ToolPath, setup: SetUp,
+    machine: Machine, *, bends: bool,
+) -> tuple[Check, ...]:  # fmt: skip
+    """The judge's word on the cut of set-points along a program with its own feeds, and on what plan.json and
+    cut_limits.npz say of it; bends: whether the path is compensated for the bending of its tool."""
+    from toolpace.judge.cut import checks_of_cut, not_judged
+    from toolpace.judge.verification import Check
+
+    if bends:
+        return (not_judged("the tool bends"),)
+    try:
+        promise = promise_of(record, toolpath, setup, machine)
+    except UsageError as error:
+        return (not_judged(str(error)),)
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    uncertainty = 0.0 if stock is None or promise.stock is None else 1e3 * stock.uncertainty
+    words = ""
+    if record.stock_guessed != (promise.stock is None):
+        words = "whether the stock is a guess is not as the set-up sheet says"
+    elif abs(record.uncertainty_mm - uncertainty) > 1e-9:
+        words = "the uncertainty of the stock is not that of the set-up sheet"
+    told = Check("plan.json cut_limits", 0.0, 0.0, "", not words, note=words)
+    return (told, *checks_of_cut(points, toolpath, promise, file))
+
+
 def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise:
     """What a plan promises of its cut, as the judge takes it."""
     from toolpace.judge.cut import CutPromise
     from toolpace.machine.cutting_tool import Coefficients
 
+    cell, stock = 1e-3 * record.resolution_mm, setup.workpiece.stock or toolpath.workpiece.stock
     return CutPromise(
         feeds=record.feeds,
-        stock=_largest_stock(setup.workpiece.stock or toolpath.workpiece.stock, machine, setup),
+        stock=_largest_stock(stock, machine, setup, cell),
         tools=[setup.figures_of(each.tool) or each.figures for each in toolpath.operations],
         limits=record.limits,
         coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
         teachers=record.teachers,
-        resolution=1e-3 * record.resolution_mm,
+        resolution=cell,
+        margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
     )
 
 
-def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp) -> Stock | None:
-    """A stock with its uncertainty, as the judge takes it; None of one that is not told, or a guess."""
+def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp, cell: float) -> Stock | None:
+    """A stock with its uncertainty, as the judge takes it with a margin of a cell [m]; None of one that is not told, or
+    a guess."""
     from toolpace.cutting.stock.solids import body_of
     from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
 
@@ -141,7 +173,7 @@ def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp) -
         return box_stock(*body.box, stock.uncertainty)
     if body.cylinder is not None:
         return cylinder_stock(*body.cylinder, stock.uncertainty)
-    return MeshStock(body.triangles(), stock.uncertainty)
+    return MeshStock(body.triangles(), stock.uncertainty, cell)
 
 
 def write_cut(path: Path, data: bytes) -> None:

@@ -190,9 +190,9 @@ def commanded_of(table: MoveTable, poses: Poses, source: Source, facts: ProgramF
     stop = np.logical_or.reduceat(table.switched | (kind == JUMP), kept)
     joining = table.joining[kept]
     blending, of_cycle = joining[:, 1], table.tolerance[kept, 0]
-    if np.isinf(blending).all():
+    if not np.isfinite(blending).any():
         # the words for blending tell no tolerance: what a cycle asks for counts (CYCLE832, cycle 32, G187)
-        blending = np.where(np.isnan(of_cycle), np.inf, of_cycle)
+        blending = np.where(np.isnan(of_cycle), blending, of_cycle)
     segments = _Segments(way[kept])
     for entry, row in enumerate(kept.tolist()):
         if row in table.arcs:

@@ -80,7 +80,7 @@ class Joining(NamedTuple):
 
     mode: int = BLENDED
     tolerance: float = math.inf
-    """Of blending [m]; inf where the program does not say."""
+    """Of blending [m]; inf where the program asks for none, nan before it has asked for anything."""
     cam_tolerance: float = math.nan
     """Within which straight motions may be taken as one [m]; nan where the program does not say."""
 
@@ -151,7 +151,7 @@ class Moves:
         self.dwells: dict[int, float] = {}
         self.waited = 0.0
         """Dwells before the first position [s]."""
-        self.joinings: list[tuple[int, Joining]] = [(0, Joining())]
+        self.joinings: list[tuple[int, Joining]] = [(0, Joining(tolerance=math.nan))]
         """How rows meet, from which on."""
         self.normals: dict[int, tuple[float, float, float]] = {}
         """Unit vectors out of the part at the ends of rows, on the part."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, refuse_other_unit
+from toolpace.programs.spindle_figures import SpindleFigures
 from toolpace.programs.stock_figures import WorkpieceFigures
 from toolpace.programs.tool_figures import ToolFigures
 
@@ -81,6 +82,8 @@ class SetUp:
     """Time that the machine takes to change a tool [s]."""
     workpiece: WorkpieceFigures = field(default_factory=WorkpieceFigures)
     """Stock, finished part and fixtures, as far as it tells of them."""
+    spindle: SpindleFigures = field(default_factory=SpindleFigures)
+    """What the machine's spindle gives."""
 
     def __post_init__(self) -> None:
         # machine coordinates of linear axes; those of rotary ones may be any angle

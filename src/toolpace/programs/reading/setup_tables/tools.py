@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
-from toolpace.common.units import DEGREE, LONGEST_TOOL, WIDEST_TOOL
+from toolpace.common.files import reason
+from toolpace.common.units import DEGREE, LONGEST_TOOL, MILLIMETRE, MINUTE, WIDEST_TOOL, parse_feed, parse_power
 from toolpace.programs.reading.coordinates.setup import Tool
 from toolpace.programs.reading.setup_tables.quantities import Quantities
+from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
 from toolpace.programs.tool_figures import KINDS, Frustum, ToolFigures, ToolKind
 
 CONTROL_KEYS = ("length", "radius", "corner_radius")
@@ -15,9 +19,12 @@ LENGTH_KEYS = ("flute_length", "stick_out", "shank_diameter", "barrel_radius")
 ANGLE_KEYS = ("taper", "point_angle", "helix")
 SHAPE_KEYS = (
     "kind", "diameter", *LENGTH_KEYS, *ANGLE_KEYS, "teeth", "pitch", "runout", "shank", "holder", "material",
-    "spindle_speed", "spindle",
+    "spindle_speed", "spindle", "spindle_range", "cutting_speed", "stability",
 )  # fmt: skip
 SPINDLES = ("clockwise", "counterclockwise")
+LONGEST_CHART = 2_000_000
+"""Characters of a file of a stability chart."""
+CHART = "lines such as 8000, 2.5 (turns per minute, depth in mm), the speeds ascending"
 POINT = 118.0 * DEGREE
 """Of a twist drill whose point nobody tells [rad]."""
 WIDEST_RADIUS = 0.75
@@ -35,8 +42,14 @@ TO_FILL_IN = {
 """Lines for figures that nothing tells."""
 
 
+_SEPARATORS = re.compile(r"[ \t]*[,;\t][ \t]*|[ \t]+")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+
 class ToolTables(Quantities):
-    """The tables [tools.NAME]."""
+    """The tables [tools.NAME], and that of the spindle; `folder` is the sheet's, which names of files count from."""
+
+    folder = Path()
 
     def tool(self, place: str, table: Mapping[str, object]) -> Tool:
         self.refuse_unknown_keys(place, table, (*CONTROL_KEYS, *SHAPE_KEYS))
@@ -94,10 +107,87 @@ class ToolTables(Quantities):
             spindle_speed=self.turns_of(place, "spindle_speed", table["spindle_speed"])
             if "spindle_speed" in table
             else None,
+            spindle_range=self.spindle_range(place, table),
+            cutting_speed=self.cutting_speed(place, table),
+            stability=self.stability(place, table),
             clockwise=self.word(place, "spindle", table.get("spindle", SPINDLES[0]), SPINDLES) == SPINDLES[0],
             source=f"{self.source}: {place}",
             assumed=tuple(assumed),
         )  # fmt: skip
+
+    def spindle_range(self, place: str, table: Mapping[str, object]) -> tuple[float, float] | None:
+        """Least and most speed that may be chosen [1/s]."""
+        found = table.get("spindle_range")
+        if found is None:
+            return None
+        if not isinstance(found, list) or len(found) != 2:
+            self.fail(place, f"spindle_range = {found!r:.40}: write two speeds in rpm, like [6000, 12000]")
+        low, high = (self.turns_of(place, "spindle_range", each) for each in found)
+        return low, high
+
+    def cutting_speed(self, place: str, table: Mapping[str, object]) -> float | None:
+        """[m/s]: a number in m/min, or text with a unit of its own."""
+        found = table.get("cutting_speed")
+        if found is None or isinstance(found, str):
+            return None if found is None else self.parsed(place, "cutting_speed", found, parse_feed)
+        return self.number(place, "cutting_speed", found, "m/min") / MINUTE
+
+    def stability(self, place: str, table: Mapping[str, object]) -> SpeedCurve | None:
+        """Depths over speeds: a list of both, or the name of a file of them, which counts from the sheet's folder."""
+        found = table.get("stability")
+        if found is None:
+            return None
+        if isinstance(found, str):
+            return self.stability_file(place, self.folder / self.text(place, "stability", found))
+
+        def depth(value: object) -> float:
+            return self.length_of(place, "stability", value, LONGEST_TOOL)
+
+        return self.curve(place, "stability", found, depth)
+
+    def stability_file(self, place: str, file: Path) -> SpeedCurve:
+        """The chart of a file, with a heading or without."""
+        try:
+            with file.open(encoding="utf-8-sig") as stream:
+                lines = stream.read(LONGEST_CHART).splitlines()
+        except (OSError, ValueError) as error:
+            why = reason(error) if isinstance(error, OSError) else "not a text file"
+            self.fail(place, f"stability = {file.name[:40]!r}: cannot be read ({why}); give a file with {CHART}")
+        rows: list[tuple[float, float]] = []
+        for number, line in enumerate(lines, start=1):
+            words = _SEPARATORS.split(line.split("#", 1)[0].strip())
+            if words == [""] or (not rows and not _NUMBER.fullmatch(words[0])):
+                continue
+            if len(words) != 2 or not all(map(_NUMBER.fullmatch, words)):
+                self.fail(place, f"stability: line {number} of {file.name[:40]} is {line[:40]!r}; write {CHART}")
+            rows.append((float(words[0]) / MINUTE, float(words[1]) * MILLIMETRE))
+        return self.made(lambda: SpeedCurve(tuple(each[0] for each in rows), tuple(each[1] for each in rows)))
+
+    def curve(self, place: str, key: str, value: object, figure: Callable[[object], float]) -> SpeedCurve:
+        """A list of points, each a spindle speed and a figure."""
+        if not isinstance(value, list) or not all(isinstance(each, list) and len(each) == 2 for each in value):
+            self.fail(place, f"{key} = {value!r:.40}: write points of rpm and value, like [[6000, 2], [8000, 3]]")
+        points = [(self.turns_of(place, key, speed), figure(each)) for speed, each in value]
+        return self.made(lambda: SpeedCurve(tuple(each[0] for each in points), tuple(each[1] for each in points)))
+
+    def spindle(self) -> SpindleFigures:
+        """The table [spindle]: power [kW] and torque [Nm] over speed."""
+        table = self.table("spindle")
+        self.refuse_unknown_keys("[spindle]", table, ("power", "torque"))
+
+        def power(value: object) -> float:
+            if isinstance(value, str):
+                return self.parsed("[spindle]", "power", value, parse_power)
+            return 1e3 * self.number("[spindle]", "power", value, "kW")
+
+        found: dict[str, SpeedCurve] = {}
+        if "power" in table:
+            found["power"] = self.curve("[spindle]", "power", table["power"], power)
+        if "torque" in table:
+            found["torque"] = self.curve(
+                "[spindle]", "torque", table["torque"], lambda each: self.number("[spindle]", "torque", each, "Nm")
+            )
+        return SpindleFigures(**found)
 
     def kind(self, place: str, table: Mapping[str, object], diameter: float, corner: float | None) -> ToolKind:
         """That of the sheet; where it tells none, by the corner radius."""
@@ -156,7 +246,27 @@ def tool_table(tool: Tool) -> dict[str, object]:
         table["spindle_speed"] = f"{figures.spindle_speed!r} 1/s"
     if not figures.clockwise:
         table["spindle"] = SPINDLES[1]
+    if figures.spindle_range is not None:
+        table["spindle_range"] = [f"{each!r} 1/s" for each in figures.spindle_range]
+    if figures.cutting_speed is not None:
+        table["cutting_speed"] = f"{figures.cutting_speed!r} m/s"
+    if figures.stability is not None:
+        table["stability"] = _points(figures.stability)
     return table
+
+
+def spindle_table(spindle: SpindleFigures) -> dict[str, object]:
+    """What the sheet says of the machine's spindle, so that it reads as exactly this one."""
+    table: dict[str, object] = {}
+    if spindle.power is not None:
+        table["power"] = [[speed, f"{value!r} W"] for speed, value in _points(spindle.power)]
+    if spindle.torque is not None:
+        table["torque"] = _points(spindle.torque)
+    return table
+
+
+def _points(curve: SpeedCurve) -> list[list[object]]:
+    return [[f"{speed!r} 1/s", value] for speed, value in zip(curve.speed, curve.value)]
 
 
 def lines_to_fill_in(table: Mapping[str, object]) -> str:

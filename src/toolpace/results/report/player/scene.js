@@ -358,9 +358,11 @@ class Space {
 
 function drawsBySoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl && gl.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
-  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!gl) return false;
+  // browsers that do not tell it there have an extension for it, of which the others warn
+  let name = gl.getParameter(gl.RENDERER);
+  const info = /^webkit/i.test(name) && gl.getExtension("WEBGL_debug_renderer_info");
+  if (info) name = gl.getParameter(info.UNMASKED_RENDERER_WEBGL);
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
