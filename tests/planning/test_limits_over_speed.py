@@ -111,7 +111,7 @@ def assert_holds(seed, concave=True, **options):
 
 def test_curves_hold_between_nodes_and_are_named_bounded_and_priced():
     trajectory, limits = assert_holds(4)
-    assert 0.99 < max(trajectory.usage().rows.values())
+    assert max(trajectory.usage().rows.values()) > 0.99
     named = {curve.name for curve in limits.curves}
     assert named < set(trajectory.active().names) and named & set(trajectory.limited_by())
     prices = trajectory.prices()
