@@ -11,6 +11,7 @@ page. Memory is that of all of its processes, what they share counted by share (
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import subprocess
 import sys
@@ -173,7 +174,8 @@ def main() -> None:
                 print(*table.lines[-1], flush=True)
     table.show()
     written = written_by("python -m benchmarks.pages", f"in {time.perf_counter() - began:.0f} s")
-    options.out.write_text(f"# Pages in a browser\n\n{written}\n\n{table.markdown()}")
+    load = f"Load of the machine at the end: {os.getloadavg()[0]:.1f}."
+    options.out.write_text(f"# Pages in a browser\n\n{written} {load}\n\n{table.markdown()}")
 
 
 if __name__ == "__main__":

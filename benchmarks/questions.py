@@ -1,6 +1,6 @@
 """Three questions of a new user, answered in the app and its report by clicks and keys, with the seconds that takes.
 
-    python -m benchmarks.questions [--out FILE]
+    python -m benchmarks.questions [--program NAME]... [--out FILE]
 
     which block costs most?                          report: the tab of the longest blocks
     why is the tool slow at 12 s?                    report: 12 into the clock, and what stands beside it
@@ -14,6 +14,7 @@ keystroke-level model for user performance time with interactive systems, Comm. 
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import subprocess
 import sys
@@ -94,14 +95,15 @@ def app(folder: Path) -> Iterator[str]:
             process.terminate()
 
 
-def asked(page: Any, program: str, text: str) -> list[list[str]]:
-    """What a person does with one program that is dropped, question by question."""
+def asked(page: Any, program: str, machine: str, text: str) -> list[list[str]]:
+    """What a person who has a machine does with one program that is dropped, question by question."""
     rows = []
     person = Person(loads=1)
     page.set_input_files("#file", [{"name": program, "mimeType": "", "buffer": text.encode()}])
     person.clicks += 1  # on the file
     person.wait(page, "[data-focus=start]:not([disabled])")
     person.wait(page, "#program .good")
+    person.click(page, f"[data-focus='on {machine}']")
     person.click(page, "[data-focus=start]")
     took = person.wait(page, ".job .time")
     rows.append(person.row(f"{program}: plan it", took))
@@ -135,19 +137,24 @@ def asked(page: Any, program: str, text: str) -> list[list[str]]:
 def main() -> None:
     """Ask all, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    programs = {
+        "demo.ngc": ("xyzac-trunnion", impeller_program()),
+        "positioned.nc": ("xyzbc-trunnion", positioned(blocks=141)),
+    }
+    parser.add_argument("--program", action="append", choices=list(programs))
     parser.add_argument("--out", type=Path, default=RESULTS / "questions.md")
     options = parser.parse_args()
     heads = ["question", "answer", "clicks", "keys", "page loads", "waiting [s]", "hand and head [s]", "together [s]"]
     table = Table("Questions", heads, words=2)
     with tempfile.TemporaryDirectory() as folder, app(Path(folder) / "app") as address, browser() as (page, _):
         page.goto(address)
-        for program, text in (("demo.ngc", impeller_program()), ("positioned.nc", positioned(blocks=141))):
-            table.lines += asked(page, program, text)
+        for program in options.program or programs:
+            table.lines += asked(page, program, *programs[program])
             print(*table.lines[-4:], sep="\n", flush=True)
     table.show()
     about = (
         "`positioned.nc` has 25 operations in tilted planes. Waiting is measured; hand and head are estimated by the "
-        "keystroke-level model."
+        f"keystroke-level model. Load of the machine at the end: {os.getloadavg()[0]:.1f}."
     )
     written = written_by("python -m benchmarks.questions")
     options.out.write_text(f"# Three questions of a new user\n\n{written} {about}\n\n{table.markdown()}")

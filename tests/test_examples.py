@@ -25,6 +25,7 @@ TESTED = {
     "09_back_onto_the_path",
     "10_follow_a_disturbed_run",
     "11_limits_of_your_own",
+    "12_torques_of_an_arm",
 }
 
 
@@ -139,6 +140,15 @@ def test_limits_of_your_own(capsys):
     power = (torque * motion.qd).sum(axis=1)
     work = np.cumsum((power[1:] + power[:-1]) / 2.0) * example.full.duration / 20_000
     assert np.allclose(work, energy[1:], atol=1e-6 * energy.max())
+
+
+def test_torques_of_an_arm(capsys):
+    example = load("12_torques_of_an_arm")
+    assert capsys.readouterr().out.splitlines()[-1] == "True"
+    assert 0.99 < example.shares.max() <= 1.0001
+    # up against its weight, and down with it
+    top = example.t[example.motion.q[:, 0].argmax()]
+    assert top > 1.02 * (example.plan.duration - top)
 
 
 def test_follow_a_disturbed_run():

@@ -23,6 +23,8 @@ TOP = Path(__file__).parents[1]
 RESULTS = TOP / "benchmarks" / "results"
 REGION = re.compile(r"(<!-- results: ([\w-]+) -->\n).*?(<!-- end of results -->)", re.DOTALL)
 NOT_NOTED = "not noted"
+BUSY = 3.0
+"""Load of a machine of two cores above which times are not those of a quiet one."""
 
 Rows = list[list[str]]
 
@@ -68,6 +70,8 @@ def source(name: str, at: str = "") -> str:
     """The line below a table: the page of results, the command, the day and the processor."""
     command, when, where = measured(name)
     on = f", {where}" if where != NOT_NOTED else ""
+    load = re.search(r"Load of the machine at the end: (\d+\.\d)", page(name))
+    on += f", under a load of {load[1]}" if load and float(load[1]) > BUSY else ""
     return f"\nMeasured on {when}{on}: `{command}`, [results]({at}{name}.md).\n"
 
 
@@ -224,6 +228,30 @@ def single(at: str) -> str:
     return table(["what", "figure", "measured on"], linked)
 
 
+def browser_pages(at: str) -> str:
+    """What the pages of plans cost a browser without graphics."""
+    heads = ["page", "motion", "size [MB]", "first picture [s]", "frames/s, 1 x", "longest frame [ms], 1 x",
+             "frames/s, 10 x", "longest frame [ms], 10 x", "memory [MB]"]  # fmt: skip
+    body = rows("pages", "| page | motion")
+    kept = (0, 1, 2, 3, 4, 6, 8)
+    return table([heads[k] for k in kept], [[line[k] for k in kept] for line in body], words=2) + source("pages", at)
+
+
+def questions(at: str) -> str:
+    """Three questions of a new user, with the seconds until they are answered."""
+    heads = ["question", "answer", "clicks", "keys", "page loads", "waiting [s]", "hand and head [s]", "together [s]"]
+    return table(heads, rows("questions", "| question | answer"), words=2) + source("questions", at)
+
+
+def cut_feeds(at: str) -> str:
+    """Times of public programs before and after new feeds, by three models of controls, and of the ideal motion."""
+    first = "| program | feeds"
+    heads = next(line for line in page("cut_feeds").splitlines() if line.startswith(first))
+    return table([word.strip() for word in heads.strip("|").split("|")], rows("cut_feeds", first), words=2) + source(
+        "cut_feeds", at
+    )
+
+
 def results(at: str) -> str:
     """Every page of results: its title, command, day and processor."""
     body = []
@@ -237,7 +265,8 @@ def results(at: str) -> str:
 TABLES: dict[str, Callable[[str], str]] = {
     "peers": peers, "times": times, "bound": bound, "long-paths": long_paths, "second-order": second_order,
     "replans": replans, "efforts": efforts, "linuxcnc": linuxcnc,
-    "cluster": cluster, "single": single, "index": results,
+    "cluster": cluster, "cut-feeds": cut_feeds, "single": single, "index": results, "pages": browser_pages,
+    "questions": questions,
 }  # fmt: skip
 
 

@@ -240,13 +240,16 @@ def test_what_feeds_by_the_cut_need_is_told_before_they_are_chosen(tmp_path):
         assert app.part(part)["inspection"]["cut_lacks"] == ["a stock", "the shape of tool 1"]
         app.upload("sheet.toml", SHEET, part)
         assert app.part(part)["inspection"]["cut_lacks"] == []
-        for more, told in (({}, "no limit"), ({"limits": "chips=1"}, "chip"), ({"limits": "force=400N"}, "material")):
+        for more, told in (
+            ({}, "no limit"), ({"limits": "chips=1"}, "chip"), ({"limits": "force=400N"}, "material"),
+            ({"limits": "force=400N", "material": "/etc/passwd"}, "material '/etc/passwd' is not known"),
+        ):  # fmt: skip
             request = {"machine": MACHINE, "feeds": "limits", **more}
             answer = app.ask("POST", f"/api/parts/{part}/jobs", json.dumps(request).encode())
             assert answer.status == 400 and told in answer.text
-        job = app.start(part, feeds="limits", limits="chip=0.08mm, 1:force=400N", material="Al7075-T6")
+        job = app.start(part, feeds="limits", limits="chip=0.08mm, 1:force=400N", material="al7075-t6")
         command = next(each["command"] for each in app.state()["jobs"] if each["id"] == job)
-        assert "--limit chip=0.08mm --limit 1:force=400N --material Al7075-T6" in command
+        assert "--limit chip=0.08mm --limit 1:force=400N --material al7075-t6" in command
 
 
 def test_a_tool_that_bends_is_compensated_where_its_file_is_there(tmp_path):

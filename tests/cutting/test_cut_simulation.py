@@ -131,6 +131,13 @@ def test_a_rapid_through_material_is_found_with_its_depth_and_place():
     assert 0.0 < hit.place[0] < 20 * MM and hit.place[2] == pytest.approx(-1.5 * MM)
 
 
+def test_what_a_rapid_takes_is_no_removal_rate_width_or_depth_of_a_cut():
+    crash = way([[-10, 5, -2], [30, 5, -2], [30, 5, 20]], [False, True, True])
+    (each,) = cut(crash).operations
+    assert each.removed == pytest.approx(20 * 6 * 2 * MM**3, rel=0.02)
+    assert each.mean_rate == each.peak_rate == each.width == each.depth == 0.0
+
+
 def test_a_rapid_does_not_meet_what_the_rapid_before_has_gone_through():
     back_and_forth = way([[-10, 5, -1], [30, 5, -1], [-10, 5, -1]], [True] * 3)
     assert [each.line for each in cut(back_and_forth).findings] == [2]

@@ -99,6 +99,13 @@ def test_a_load_is_within_its_limit_and_close_to_it(name, share):
     assert (found.speed[~held] == 0.2).all()
 
 
+def test_an_absurd_feed_in_the_program_hides_no_limit():
+    forces = EngagedForces(shoulder(5e-3, 5e-3), TOOL, Coefficients(1e9, 1e9))
+    usual, absurd = (speeds_within(forces, places(40), CutLimits(chip=0.05e-3), most) for most in (0.2, 75.0))
+    assert (absurd.exceeded == 0.0).all() and (absurd.holds == 0).all()
+    np.testing.assert_allclose(absurd.speed, usual.speed, rtol=2e-4)
+
+
 def test_a_limit_that_the_edges_alone_exceed_is_told():
     forces = EngagedForces(shoulder(5e-3, 5e-3), TOOL, Coefficients(800e6, 250e6, 0.0, 15e3, 20e3))
     found = speeds_within(forces, places(40), CutLimits(force=1.0), 0.2)

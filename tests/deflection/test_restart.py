@@ -39,7 +39,7 @@ def restarted(old: Trajectory, clock: float) -> RestartFromRest:
     return RestartFromRest(aside, PaceRise(steepest(motion, clock, old.limits)))
 
 
-@pytest.mark.parametrize("k", [0.3, pytest.param(40.0, marks=pytest.mark.sweep)])
+@pytest.mark.parametrize("k", [0.3, 40.0])
 def test_the_clock_and_its_rates_are_one_motion_from_rest_to_the_full_pace(k):
     rise = PaceRise(k)
     t = np.linspace(0.0, 1.1 * rise.duration, 200_001)
@@ -47,7 +47,7 @@ def test_the_clock_and_its_rates_are_one_motion_from_rest_to_the_full_pace(k):
     for value, rate in zip((come, *rates[:2]), rates):
         # what is integrated by trapezia is the value, but for a jump of the second derivative at each of three ends
         far = np.append(0.0, np.cumsum((rate[1:] + rate[:-1]) / 2.0 * t[1]))
-        assert value == pytest.approx(far, abs=1e-4 * max(float(np.abs(value).max()), 1e-9))
+        np.testing.assert_allclose(value, far, rtol=0.0, atol=1e-4 * max(float(np.abs(value).max()), 1e-9))
     assert rates[0][0] == rates[1][0] == 0.0
     assert (rates[0][t >= rise.duration] == 1.0).all() and (np.diff(rates[0]) >= -1e-15).all()
     assert rise.when(0.7 * come[-1]) == pytest.approx(np.interp(0.7 * come[-1], come, t), abs=1e-6 / k)

@@ -20,6 +20,7 @@ from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.judge.cut import (
     CutJudge,
     CutPromise,
+    allowed_check,
     cut_checks,
     learned_check,
     limit_checks,
@@ -28,7 +29,7 @@ from toolpace.judge.cut import (
 )
 from toolpace.judge.cut.sections import Poses, Section, Surface, ToolMotion
 from toolpace.judge.cut.shapes import shape_of
-from toolpace.judge.cut.stations import arcs_check, columns_check
+from toolpace.judge.cut.stations import arcs_check, chosen_stations, columns_check
 from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
 from toolpace.judge.cut.turning import Cutting, loads_of
 from toolpace.machine.cutting_tool import Coefficients
@@ -299,10 +300,19 @@ def test_a_changed_column_of_the_stations_is_found(name):
 @pytest.mark.parametrize("change", ARCS)
 def test_changed_arcs_are_found(change):
     judge, file = slot_judge()
-    chosen = [len(file["station time"]) // 2]
+    chosen = chosen_stations(judge, file, 6)[2:3]
     assert arcs_check(judge, file, chosen).ok
     changed = {f"engagement {name}": make(file) for name, make in ARCS[change].items()}
     assert not arcs_check(judge, {**file, **changed}, chosen).ok
+
+
+def test_speeds_that_no_station_has_or_that_its_cut_does_not_allow_are_found():
+    judge, file = slot_judge()
+    assert allowed_check(judge, file, 3).ok
+    assert not columns_check(judge, {**file, "speed": 1.01 * file["speed"]}).ok
+    both = {**file, "speed": 1.05 * file["speed"], "station most": 1.05 * file["station most"]}
+    assert columns_check(judge, both).ok
+    assert not allowed_check(judge, both, 3).ok
 
 
 def test_speeds_below_those_that_the_motion_has_are_found():

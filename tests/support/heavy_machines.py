@@ -67,3 +67,12 @@ def pinocchio_torques(dynamics: Dynamics, q: np.ndarray, qd: np.ndarray, qdd: np
         model.appendBodyToJoint(joints[-1], body, pin.SE3.Identity())
     data = model.createData()
     return np.array([pin.rnea(model, data, *each) for each in zip(q, qd, qdd)])
+
+
+def motor_torques(dynamics: Dynamics, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+    """(n, joints) by pinocchio, with what drives add."""
+    found = pinocchio_torques(dynamics, q, qd, qdd)
+    for k, link in enumerate(dynamics.links):
+        friction = link.viscous_friction * qd[:, k] + link.dry_friction * np.sign(qd[:, k])
+        found[:, k] += link.rotor_inertia * qdd[:, k] + friction - link.balance
+    return found

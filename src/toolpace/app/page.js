@@ -124,7 +124,9 @@ function form(part) {
   const found = part.inspection, machines = found && found.machines || [];
   forms[part.id] ??= { machine: "", tip_tolerance: "", axis_tolerance: "", feeds: "program", own: "3000mm/min", air_feed: "", limits: "", material: "", effort: "normal", tool_length: "", bend: false };
   const values = forms[part.id];
-  if (!values.machine || !state.machines.includes(values.machine)) values.machine = machines[0] || "";
+  // people have one machine: that of their last job
+  const last = state.jobs.length ? state.jobs[state.jobs.length - 1].request.machine : "";
+  if (!values.picked || !state.machines.includes(values.machine)) values.machine = machines.includes(last) ? last : machines[0] || "";
   return values;
 }
 
@@ -154,7 +156,7 @@ function programPanel(part) {
     found.needs.length ? ["needs", list(found.needs), "bad"] : null,
     ["runs on", found.machines.length ? h("div", { class: "row" }, found.machines.map((name) => h("button", {
       type: "button", class: "chip", "data-focus": `on ${name}`, "aria-pressed": String(form(part).machine === name),
-      onclick: () => { form(part).machine = name; delete drawn.plan; show(); } }, name))) : "none of the machines that were tried", found.machines.length ? "" : "bad"],
+      onclick: () => { Object.assign(form(part), { machine: name, picked: true }); delete drawn.plan; show(); } }, name))) : "none of the machines that were tried", found.machines.length ? "" : "bad"],
   ];
   const folded = [
     found.assumed.length ? fold("assumed", false, h("summary", {}, `${found.assumed.length} assumed`), list(found.assumed)) : null,
@@ -263,7 +265,7 @@ function sheetPanel(part) {
 function planPanel(part) {
   const values = form(part), fit = part.inspection && part.inspection.machines || [], lacks = part.inspection && part.inspection.cut_lacks || [];
   const feeds = FEEDS.map(([name, words]) => [name, words, CUT.includes(name) && lacks.length && values.feeds !== name]);
-  const set = (name) => (value) => { values[name] = value; if (name === "feeds" || name === "machine") { delete drawn.plan; delete drawn.program; show(); } };
+  const set = (name) => (value) => { values[name] = value; values.picked ||= name === "machine"; if (name === "feeds" || name === "machine") { delete drawn.plan; delete drawn.program; show(); } };
   const machines = [...(values.machine ? [] : [["", "choose a machine"]]), ...state.machines.map((name) => [name, fit.includes(name) ? name : `${name} (cannot run it)`])];
   const typed = (name, label, more) => field(name, label, values, set(name), more, "oninput");
   const start = async (event) => {
@@ -339,7 +341,7 @@ function jobPanel(part, job, first) {
 }
 function change(part, request) {
   const own = !FEEDS.some(([name]) => name === request.feeds);
-  forms[part.id] = { own: "3000mm/min", ...request, ...(own ? { feeds: "own", own: request.feeds } : {}) };
+  forms[part.id] = { own: "3000mm/min", picked: true, ...request, ...(own ? { feeds: "own", own: request.feeds } : {}) };
   delete drawn.plan; delete drawn.program;
   show();
   $("plan").querySelector("[name=tip_tolerance]").focus();

@@ -333,6 +333,9 @@ def cut_rules(request: Request) -> FeedRules | None:
     from toolpace.cutting.forces.material import Material
     from toolpace.jobs.cut_options import cut_limits
 
+    if request.material and request.material not in Material.names():  # no file is named in a request
+        cure = did_you_mean(request.material, Material.names())
+        raise UsageError(f"material '{printable(request.material[:40])}' is not known; {cure}")
     limits = {} if request.feeds != "limits" else cut_limits(limit_words(request))
     if request.feeds == "limits" and not limits:
         raise UsageError("no limit of the cut is given; add one, such as chip=0.08mm")

@@ -113,15 +113,14 @@ class CutOptions:
         part: tuple[CutLimitsRecord, bytes],
     ) -> Verification:  # fmt: skip
         """The judge's word, with that on the cut of the set-points along the program."""
-        from toolpace.judge.cut import checks_of_cut, not_judged
         from toolpace.motion.setpoints import in_memory
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
-            checks = [not_judged("the tool bends")]
-            if job.tool is None:
-                promise = write.promise_of(part[0], toolpath, job.options.setup, job.machine)
-                checks = checks_of_cut(in_memory(points), toolpath, promise, write.cut_arrays(part[1]))
+            checks = write.judged_cut(
+                part[0], write.cut_arrays(part[1]), in_memory(points), toolpath, job.options.setup, job.machine,
+                bends=job.tool is not None,
+            )  # fmt: skip
         return replace(found, checks=(*found.checks, *checks))
 
 

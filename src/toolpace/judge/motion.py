@@ -120,8 +120,8 @@ def curve_checks(
     checks = []
     for curve in limits.curves:
         j, order = limits.joints.index(curve.joint), 2 + (curve.kind == "jerk")
-        worst = Check(curve_name(curve), 0.0, curve.largest, unit_of(units[j], order), True, joint=curve.joint)
-        used = 0.0
+        name, unit, used = f"{curve.kind} over speed", unit_of(units[j], order), 0.0
+        worst = Check(name, 0.0, curve.largest, unit, True, joint=curve.joint)
         for begin in range(0, max(even - order, 0), ROWS):
             part = source.rows(begin, min(begin + ROWS + order, even))
             q = part.q[:, j]
@@ -145,17 +145,12 @@ def curve_checks(
                 used, at = float(share[k]), k + order // 2
                 ok = used <= 1.0 + TOLERANCE
                 worst = Check(
-                    worst.name, abs(float(value[k])), float(limit[k]), worst.unit, ok, float(part.t[at]),
+                    name, abs(float(value[k])), float(limit[k]), unit, ok, float(part.t[at]),
                     int(part.block[at]), curve.joint, f"at {abs(float(mean[k])):.4g} {unit_of(units[j], 1)}",
                     noise=noise,
                 )  # fmt: skip
         checks.append(worst)
     return checks
-
-
-def curve_name(curve: CurvedLimit) -> str:
-    """What its check is called."""
-    return f"{curve.kind} over speed"
 
 
 def limit_over_speed(curve: CurvedLimit, speed: Floats, pushed: Floats) -> Floats:

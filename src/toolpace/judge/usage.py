@@ -129,13 +129,14 @@ class UsageFigures:
         ]
 
     def curve_shares(self) -> dict[str, Floats]:
-        """(n,) what each set-point uses of each limit that falls with the speed of its joint, by name."""
+        """(n,) what each set-point uses of each limit that falls with the speed of its joint, by name; where it is at its
+        largest value, which is a limit of its own, nothing."""
         limits, points, found = self.machine.limits, self.points, {}
         for curve in limits.curves:
             if curve.largest > curve.least:
                 j, value = limits.joints.index(curve.joint), points.qdd if curve.kind == "acceleration" else points.qddd
                 limit = limit_over_speed(curve, points.qd[:, j], value[:, j])
-                found[curve.name] = np.abs(value[:, j]) / limit
+                found[curve.name] = np.where(limit < curve.largest, np.abs(value[:, j]) / limit, 0.0)
         return found
 
     def of_curves(self) -> list[Check]:

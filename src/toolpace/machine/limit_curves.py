@@ -94,7 +94,7 @@ class LimitCurve(ByValue):
         ends = np.append(v[1:], np.inf)
         used = np.flatnonzero((v < most) & ~((fall == 0.0) & (height >= top)))
         if not len(used):
-            used = np.array([len(v) - 1])
+            used = np.array([0])
         choices = []
         for j in used.tolist():
             at = np.array([v[j], ends[j] if np.isfinite(ends[j]) else v[j]])

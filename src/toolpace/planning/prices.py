@@ -6,6 +6,7 @@ bounds grow by (the envelope theorem; Boyd and Vandenberghe 2004, section 5.6):
     acceleration  |r . (z, z', z'')| <= 1             multiplier
     jerk          |r . (z, z', z'')| <= z^(-1/2)      multiplier times z^(-1/2)
     velocity, feed              z <= cap              multiplier times 2 cap, for the limit that makes the cap
+    torque        tau <= limit                        multiplier, over the scale of its row
     any, in a cell next to rest z <= cap              multiplier times cap times 2, 1 or 2/3: how z there grows with it
 
 The multipliers are those of the plan's own mesh, of an optimum found again from its motion. One figure checks all: with
@@ -23,6 +24,7 @@ from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError
 from toolpace.common.workers import Workers
 from toolpace.kernels.optimal import newton, solver
+from toolpace.machine.dynamics.torques import JointTorque
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import SplineLaw
 from toolpace.motion.trajectory import Trajectory
@@ -127,12 +129,17 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
 def row_gains(limits: Limits, multipliers: Multipliers, problem: Problem) -> Floats:
     """(points, k) what the rows of a point gain per relative growth of each limit."""
     m, half, gains = len(limits), limits.half, multipliers.rows.copy()
-    if problem.lines is not None:
+    if problem.lines is not None and multipliers.limit is not None:
         gains[:, problem.lines.column] *= multipliers.limit
     gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
     columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
     at = {1: m, 2: half + m}
     for rows in limits.rows:
+        if isinstance(rows, JointTorque) and problem.lines is not None and multipliers.limit is not None:
+            # all of a torque grows, of which weight and friction leave but a part
+            own = np.isin(problem.lines.column, np.arange(at[1], at[1] + rows.width))
+            growth = 1.0 / (1.0 + np.abs(problem.lines.height[:, own, 0])) / multipliers.limit[:, own]
+            gains[:, problem.lines.column[own]] *= growth
         columns.append(gains[:, at[rows.order] : at[rows.order] + rows.width].sum(axis=1, keepdims=True))
         at[rows.order] += rows.width
     return np.concatenate(columns, axis=1)

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +33,13 @@ LONG = 240.0
 @pytest.fixture(scope="module")
 def parts(tmp_path_factory):
     """Programs that take a second or two, and one that is refused."""
-    folder = tmp_path_factory.mktemp("faults") / "parts"
+    return programs(tmp_path_factory.mktemp("faults") / "parts", BLOCKS)
+
+
+def programs(folder: Path, counts: Sequence[int]) -> Path:
+    """A folder with programs of so many blocks, and one that is refused."""
     folder.mkdir()
-    for blocks in BLOCKS:
+    for blocks in counts:
         (folder / f"part-{blocks}.ngc").write_text(demo_programs.spiral_program(blocks))
     (folder / "bad.ngc").write_text("G21 G90 G54\nG43.4 H1\nG1 X1 Y2 F100\nG900 X4\nM30\n")
     return folder
@@ -189,7 +193,7 @@ def test_a_job_that_runs_out_of_memory_kills_its_worker_and_is_told_so(parts, tm
     mine = tmp_path / "parts"
     mine.mkdir()
     (mine / "part.ngc").write_text((parts / f"part-{BLOCKS[0]}.ngc").read_text())
-    (mine / "slow.ngc").write_text((parts / f"part-{BLOCKS[0]}.ngc").read_text().replace("F2500", "F60"))
+    (mine / "slow.ngc").write_text(demo_programs.spiral_program(900).replace("F2500", "F60"))
     out = tmp_path / "out"
     code, output, errors = ended(start(mine, out, "--workers", "2", "--memory", "500MB"))
     found = {Path(row["program"]).name: row for row in json.loads((out / "batch.json").read_text())["jobs"]}
@@ -198,7 +202,8 @@ def test_a_job_that_runs_out_of_memory_kills_its_worker_and_is_told_so(parts, tm
     assert not list(out.glob("slow*"))
 
 
-def test_what_no_worker_can_hold_is_not_begun(parts, tmp_path):
+def test_what_no_worker_can_hold_is_not_begun(tmp_path):
+    parts = programs(tmp_path / "parts", (900, 1100, 1300, 1500))
     with by_hand(1, "--memory-limit", "300MB", "--resources", "memory=3e8") as cluster:
         code, _, errors = ended(start(parts, tmp_path / "out", "--cluster", cluster.address))
     assert code == 2, errors

@@ -158,13 +158,16 @@ def test_two_points_are_a_motion(way):
 
 
 @pytest.mark.parametrize(
-    "first",
-    [pytest.param(first, marks=pytest.mark.thorough if first else pytest.mark.sweep) for first in range(0, 60, 6)],
+    "seeds",
+    [
+        pytest.param(range(6), marks=pytest.mark.sweep, id="some"),
+        pytest.param(range(6, 60), marks=pytest.mark.thorough, id="many"),
+    ],
 )
-def test_random_tool_paths_are_planned_or_refused(first):
+def test_random_tool_paths_are_planned_or_refused(seeds):
     machine = Machine.load(MACHINE)
     answers = 0
-    for seed in range(first, first + 6):
+    for seed in seeds:
         toolpath, _ = random_toolpath(seed)
         try:
             trajectory = plan(Path.fit(toolpath, machine=machine), machine)
@@ -173,4 +176,4 @@ def test_random_tool_paths_are_planned_or_refused(first):
             continue
         assert trajectory.usage().worst <= PROMISED and trajectory.lower_bound <= trajectory.duration
         answers += 1
-    assert answers >= 4
+    assert answers >= 0.66 * len(seeds)

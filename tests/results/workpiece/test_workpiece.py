@@ -144,6 +144,29 @@ def test_the_page_makes_the_same_surface_in_any_order(shown):
         assert (cut > 0) == (stage > 0)
 
 
+def test_a_coarse_surface_is_closed_within_the_same_box_and_has_a_quarter_of_the_triangles(shown):
+    stages = shown.view.stages
+    asked = [0, stages.stages // 2, stages.stages]
+    found = calculated(
+        shown.page.read_text(encoding="utf-8"),
+        f"""const stock = new Stock(player.workpiece.stock, player.arrays);
+        return {asked}.map((stage) => {{
+            const {{ corners, triangles }} = stock.surface(stage, true);
+            return [Array.from(corners), Array.from(triangles), stock.surface(stage).triangles.length];
+        }});""",
+    )
+    for stage, (corners, triangles, fine) in zip(asked, found):
+        places, faces = np.array(corners).reshape(-1, 3), np.array(triangles).reshape(-1, 3)
+        ways = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        forth, back = (np.unique(each, axis=0, return_counts=True) for each in (ways, ways[:, ::-1]))
+        assert all((a == b).all() for a, b in zip(forth, back))
+        assert places.min(axis=0) == pytest.approx([0.0, 0.0, -10.0], abs=0.02)
+        assert places.max(axis=0) == pytest.approx([30.0, 26.0, 0.0], abs=0.02)
+        # cells of 1.5 mm, of which the edges of two slots are bevelled by a half
+        assert volume(places[faces]) == pytest.approx(1e9 * volume(stages.surface(stage)[0]), rel=0.02)
+        assert 0.2 * fine < len(triangles) < 0.3 * fine
+
+
 def test_tracks_are_those_of_the_slots(shown):
     tracks = {each.name: each.values for each in shown.view.tracks.tracks}
     # 8 mm wide and 3 mm deep at F2000 of the sheet's tool 1: 48 cm3/min; a third of F over the turns

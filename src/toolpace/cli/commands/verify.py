@@ -17,7 +17,6 @@ from toolpace.common.errors import UsageError, printable
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.judge import Check, Verification, verify_plan
-from toolpace.judge.cut import checks_of_cut, not_judged
 from toolpace.judge.figures import DEFAULT_AXIS_DEG, DEFAULT_TIP_MM, told_tolerances, with_table
 from toolpace.machine.machine import Machine
 from toolpace.motion.sampling import Sampling, each_block, grids
@@ -83,10 +82,10 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             found = replace(found, checks=(*found.checks, *own))
         if cut is not None and record.cut_limits is not None and programmed is not None and found.checks[0].ok:
             with steps.step("verifying the cut"):
-                own = (not_judged("the tool bends"),)
-                if record.bending is None:
-                    promise = write.promise_of(record.cut_limits, programmed, options.setup, machine)
-                    own = tuple(checks_of_cut(setpoints, programmed, promise, cut))
+                own = write.judged_cut(
+                    record.cut_limits, cut, setpoints, programmed, options.setup, machine,
+                    bends=record.bending is not None,
+                )  # fmt: skip
                 # what the plan says of its verification counts its cut too
                 alike = all(check.ok for check in own) or record.verified is not False
                 others = tuple(check for check in found.checks if alike or check.what != "plan.json verified")

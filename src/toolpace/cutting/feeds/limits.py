@@ -23,7 +23,10 @@ TRIES = 30
 CLOSE = 1e-4
 """Share of a speed within which it is found."""
 LOWEST = 1e-3
-"""Share of the highest speed below which none is looked for."""
+"""Share of the highest speed below which none is looked for, or SLOWEST where that is less: a program may have F as
+high as no tool cuts, in place of a rapid."""
+SLOWEST = 1e-5
+"""[m/s]"""
 FEED, AIR, TAUGHT = "feed", "feed in air", "load of the teacher"
 
 
@@ -121,7 +124,7 @@ def speeds_within(
         loads = forces.loads(speed, None if turning is None else turning * speed[:, None])
         return np.stack([_load(name, loads, forces, speed, per_way, section) / getattr(limits, name) for name in names])
 
-    slow, fast = np.full(n, LOWEST * most), np.full(n, most)
+    slow, fast = np.full(n, min(LOWEST * most, SLOWEST)), np.full(n, most)
     speed, worst = root_below(lambda each: shares(each).max(axis=0), slow, fast)
     at = shares(speed)
     holds = np.where((speed < most * (1.0 - CLOSE)) & (at.max(axis=0) > 1.0 - 0.02), at.argmax(axis=0), -1)

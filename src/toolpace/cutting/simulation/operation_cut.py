@@ -97,17 +97,17 @@ class OperationCut:
     rapid: float
     """Time of its rapids [s]."""
     removed: float
-    """Volume [m3]."""
+    """Volume, with what rapids, shank and holder take [m3]."""
     removed_range: tuple[float, float]
     """The same of the least and the largest stock [m3]."""
     mean_rate: float
-    """Volume over the time in which something may be cut [m3/s]."""
+    """Volume that the edges take at feed, over the time in which something may be cut [m3/s]."""
     peak_rate: float
-    """Most volume over RATE_WINDOW [m3/s]."""
+    """Most volume that the edges take at feed over RATE_WINDOW [m3/s]."""
     width: float
-    """Most width of the cut across the feed [m]."""
+    """Most width of the cut across the feed, at feed [m]."""
     depth: float
-    """Most depth of the cut along the tool axis [m]."""
+    """Most depth of the cut along the tool axis, at feed [m]."""
     figures: ToolFigures | None = None
     """Of the tool; None where none was needed."""
 
@@ -119,19 +119,21 @@ class OperationCut:
 
 def operation_cut(operation: Operation, figures: ToolFigures | None, stretches: Sequence[CutStretch]) -> OperationCut:
     """The sums of the stretches of one operation."""
-    air = cutting = whole = rapid = width = depth = peak = 0.0
+    air = cutting = whole = rapid = width = depth = peak = at_feed = 0.0
     removed = np.zeros(3)
     for each in stretches:
         seconds = each.seconds
         removed += [engagement.removed.sum() for engagement in (each.certain, each.engagement, each.possible)]
         removed += each.removed_above
+        if each.rapid:
+            # what a crash takes is no cut
+            rapid += float(seconds.sum())
+            continue
+        at_feed += float(each.engagement.removed.sum())
         peak = max(peak, float(removal_rate(each)[1].max(initial=0.0)))
         contact = each.contact(each.engagement)
         width = max(width, float(each.engagement.width[contact].max(initial=0.0)))
         depth = max(depth, float(each.engagement.depth[contact].max(initial=0.0)))
-        if each.rapid:
-            rapid += float(seconds.sum())
-            continue
         whole += float(seconds.sum())
         air += float(seconds[each.air].sum())
         cutting += float(seconds[each.cutting].sum())
@@ -145,7 +147,7 @@ def operation_cut(operation: Operation, figures: ToolFigures | None, stretches: 
         rapid=rapid,
         removed=float(removed[1]),
         removed_range=(float(removed[0]), float(removed[2])),
-        mean_rate=float(removed[1]) / loaded if loaded > 0.0 else 0.0,
+        mean_rate=at_feed / loaded if loaded > 0.0 else 0.0,
         peak_rate=peak,
         width=width,
         depth=depth,

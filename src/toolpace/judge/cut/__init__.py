@@ -11,7 +11,7 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.judge.cut.instants import CutJudge, CutPromise, Instant
-from toolpace.judge.cut.stations import engagement_checks
+from toolpace.judge.cut.stations import chosen_stations, engagement_checks
 from toolpace.judge.verification import Check
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.toolpath import ToolPath
@@ -64,7 +64,7 @@ def cut_checks(judge: CutJudge, file: CutFile, instants: int, stations: int) -> 
         checks.append(air_check(judge, judge.instants(instants, rows=raised)))
     if promise.feeds == "learned":
         checks.append(learned_check(judge, judge.instants(instants, rows=raised)))
-    return [*checks, speed_check(judge, file)]
+    return [*checks, allowed_check(judge, file, stations), speed_check(judge, file)]
 
 
 def raised_check(judge: CutJudge, raised: Ints) -> Check:
@@ -93,41 +93,17 @@ def limit_check(judge: CutJudge, found: Sequence[Instant], name: str) -> Check:
         return float(at.loads.get(name, 0.0)) / judge.promise.limits_of(at.tool)[name]
 
     worst, share = worst_of(judge, found, share_of, 1.0 + HELD)
-    limit = judge.promise.limits_of(worst.tool)[name]
-    what = f"{name.replace('_', ' ')} of the cut"
+    limit, what = judge.promise.limits_of(worst.tool)[name], f"{name.replace('_', ' ')} of the cut"
     return Check(what, share * limit, limit, UNITS[name], share <= 1.0 + HELD, worst.time, worst.block)
-
-
-def worst_of(
-    judge: CutJudge, found: Sequence[Instant], value_of: Callable[[Instant], float], most: float
-) -> tuple[Instant, float]:
-    """The instant with the largest value, and that value. Above the most that may be, the least at places within a cell
-    counts: where a cut begins and ends is known to a cell, and there alone a plan may be wrong about it."""
-    values = sorted(((value_of(each), -each.row) for each in found), reverse=True)
-    excused = (0.0, 0)
-    for value, row in values:
-        if value > most:
-            near = judge.rows_near(-row, judge.promise.resolution)
-            value = min(value_of(judge.instant(each)) for each in near)
-            excused = max(excused, (value, row))
-            if value <= most:
-                continue
-        value, row = max((value, row), excused)
-        return judge.instant(-row), value
-    return judge.instant(-excused[1]), excused[0]
 
 
 def air_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     """Whether nothing is cut where the tip is faster than the program's feed; a layer below THIN of a cell is
     nothing."""
     what, limit = "cut above the feed", THIN * judge.promise.resolution
-
-    def layer_of(at: Instant) -> float:
-        return at.loads["layer"] if raised_at(at) else 0.0
-
     if not found:
         return Check(what, 0.0, limit, "m", True)
-    worst, layer = worst_of(judge, found, layer_of, limit)
+    worst, layer = worst_of(judge, found, layer_above_feed, limit)
     return Check(what, layer, limit, "m", layer <= limit, worst.time, worst.block, note="layer on the mean")
 
 
@@ -135,23 +111,68 @@ def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     """Whether chip, area and edge are all within those of one teacher, wherever the tip is faster than the program's
     feed."""
     what, limit = "load over its teacher's", 1.0 + LEARNED
-
-    def share_of(at: Instant) -> float:
-        if not raised_at(at) or at.loads["chip"] <= 0.0:
-            return 0.0
-        own = np.array([at.loads[name] for name in ("chip", "area", "edge")])
-        teachers = np.array(judge.promise.teachers.get(at.tool, ())).reshape(-1, 3)
-        return float((own / teachers).max(axis=1).min(initial=math.inf))
-
     if not found:
         return Check(what, 0.0, limit, "", True)
-    worst, share = worst_of(judge, found, share_of, limit)
+    worst, share = worst_of(judge, found, lambda at: share_of_teacher(judge.promise, at), limit)
     return Check(what, share, limit, "", share <= limit, worst.time, worst.block)
 
 
-def raised_at(found: Instant) -> bool:
-    """Whether the tip is faster than the program's feed."""
-    return found.speed > (1.0 + SPEED) * found.feed
+def allowed_check(judge: CutJudge, file: CutFile, stations: int) -> Check:
+    """Whether what was promised would hold at some stations, were the tip as fast as the file says that it may be."""
+    promise, worst = judge.promise, Check("cut at the speed that is allowed", 0.0, 1.0, "", True)
+
+    def share_of(at: Instant) -> float:
+        if promise.feeds == "air":
+            return layer_above_feed(at) / (THIN * promise.resolution)
+        if promise.feeds == "learned":
+            return share_of_teacher(promise, at) / (1.0 + LEARNED)
+        limits = promise.limits_of(at.tool)
+        return max((float(at.loads.get(name, 0.0)) / limits[name] for name in limits), default=0.0) / (1.0 + HELD)
+
+    for i, row in chosen_stations(judge, file, stations):
+        speed = float(file["station most"][i])
+        if speed > 0.0:
+            at = judge.instant(row, speed)
+            share = share_of(at)
+            if share > 1.0:
+                near = judge.rows_near(row, promise.resolution)
+                share = min(share_of(judge.instant(each, speed)) for each in near)
+            if share > worst.value:
+                worst = Check(worst.what, share, 1.0, "", share <= 1.0, at.time, at.block, note="share of its load")
+    return worst
+
+
+def worst_of(
+    judge: CutJudge, found: Sequence[Instant], value_of: Callable[[Instant], float], most: float
+) -> tuple[Instant, float]:
+    """The instant with the largest value, and that value. Above the most that may be, the least at places within a cell
+    counts: where a cut begins and ends is known to a cell, and there alone a plan may be wrong about it."""
+    worst, largest = found[0], -math.inf
+    for each in sorted(found, key=value_of, reverse=True):
+        value = value_of(each)
+        if value > most:
+            near = judge.rows_near(each.row, judge.promise.resolution)
+            value = min(value_of(judge.instant(row)) for row in near)
+        if value > largest:
+            worst, largest = each, value
+        if largest > most or value_of(each) <= most:
+            break
+    return worst, largest
+
+
+def layer_above_feed(at: Instant) -> float:
+    """What is cut on the mean over the height [m], where the tip is faster than the program's feed."""
+    return at.loads["layer"] if at.speed > (1.0 + SPEED) * at.feed else 0.0
+
+
+def share_of_teacher(promise: CutPromise, at: Instant) -> float:
+    """The largest of chip, area and edge over those of the teacher that allows most, where the tip is faster than the
+    program's feed."""
+    if at.speed <= (1.0 + SPEED) * at.feed or at.loads["chip"] <= 0.0:
+        return 0.0
+    own = np.array([at.loads[name] for name in ("chip", "area", "edge")])
+    teachers = np.array(promise.teachers.get(at.tool, ())).reshape(-1, 3)
+    return float((own / teachers).max(axis=1).min(initial=math.inf))
 
 
 def speed_check(judge: CutJudge, file: CutFile) -> Check:

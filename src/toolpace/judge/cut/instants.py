@@ -85,7 +85,7 @@ class CutJudge:
         self.shape_of_operation[[shape is None for shape in shapes]] = -1
         self.operation, self.rapid = self._of_blocks()
         self.poses, self.row = self._poses()
-        self._found: dict[int, Instant] = {}
+        self._found: dict[tuple[int, float], Instant] = {}
 
     @property
     def unseen(self) -> list[str]:
@@ -155,18 +155,18 @@ class CutJudge:
         at = rows[((np.arange(count) + rng.random(count)) / count * len(rows)).astype(np.int64)]
         return [self.instant(row) for row in np.unique(at).tolist()]
 
-    def instant(self, row: int) -> Instant:
-        """What is found at a set-point."""
-        if row not in self._found:
+    def instant(self, row: int, speed: float | None = None) -> Instant:
+        """What is found at a set-point; what would be, were the tip as fast as a `speed` [m/s]."""
+        speed = float(self.speed[row]) if speed is None else speed
+        if (row, speed) not in self._found:
             surface, points = self.surface(row), self.points
-            section = surface.section()
-            self._found[row] = Instant(
-                row, float(points.t[row]), int(points.block[row]), self.tool_at(row), float(self.speed[row]),
-                float(self.feed[row]), self.loads(row, surface, section),
+            self._found[row, speed] = Instant(
+                row, float(points.t[row]), int(points.block[row]), self.tool_at(row), speed, float(self.feed[row]),
+                self.loads(row, surface, surface.section(), speed / float(self.speed[row])),
             )  # fmt: skip
-        return self._found[row]
+        return self._found[row, speed]
 
-    def loads(self, row: int, surface: Surface, section: Section, times: float = 1.0) -> dict[str, float]:
+    def loads(self, row: int, surface: Surface, section: Section, times: float) -> dict[str, float]:
         """What the tool takes in a section at a set-point, at a multiple of its speed."""
         tool, coefficients = self.promise.tools[int(self.operation[row])], self.promise.coefficients
         assert tool is not None

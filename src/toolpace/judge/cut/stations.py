@@ -16,6 +16,9 @@ PLACE, TILT = 1e-5, 1e-3
 """How far a station may be from the way of the tip [m], and its axis from that of the motion."""
 DIRECTION = 1e-6
 """By how much directions and shares of a motion may be off those that its stations tell."""
+SIMPLER, AHEAD = 2e-3, 1000
+"""Share of a speed by which the profile may be below that of a station, so that it has few places; stations in which
+the next of them is looked for first."""
 STEEP = 0.02
 """Share of a motion along the axis from which it is looked at what the flat of the end cuts: with less it slides."""
 IMMERSION = 0.03
@@ -41,9 +44,20 @@ def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]
     """Those of all stations by their columns, and of some by what the tool meets there."""
     found = [columns_check(judge, file)]
     if found[0].ok:
-        rng = np.random.default_rng(len(file["station time"]))
-        chosen = np.unique(rng.integers(0, len(file["station time"]), stations)).tolist()
+        chosen = chosen_stations(judge, file, stations)
         found += [arcs_check(judge, file, chosen), end_check(judge, file, chosen)]
+    return found
+
+
+def chosen_stations(judge: CutJudge, file: File, count: int) -> list[tuple[int, int]]:
+    """At most so many stations at which the tool moves, and the set-points next to them."""
+    rng, times = np.random.default_rng(len(file["station time"])), file["station time"]
+    found = []
+    for i in np.unique(rng.integers(0, len(times), count)).tolist():
+        row = int(np.clip(np.searchsorted(judge.points.t, times[i]), 1, len(judge.points) - 2))
+        at = int(np.searchsorted(judge.moving, row))
+        if at < len(judge.moving) and int(judge.moving[at]) == row:
+            found.append((i, row))
     return found
 
 
@@ -66,6 +80,7 @@ def columns_check(judge: CutJudge, file: File) -> Check:
         "the axis of a station is not that of the motion": np.linalg.norm(lean - axis, axis=1) > TILT,
         "a station is in another block": (beside != file["station block"]).all(axis=0) & ~begins,
         "a station is in another operation": (operations != file["station operation"]).all(axis=0) & ~begins,
+        "a speed of the profile is that of no station": _without_station(file, begins),
         "a direction is not that between stations": _off_direction(file, np.cumsum(judge.rapid, dtype=np.int64)[row]),
     }
     for words, wrong in faults.items():
@@ -98,16 +113,30 @@ def _off_direction(file: File, rapids: Ints) -> Bools:
     return off
 
 
-def arcs_check(judge: CutJudge, file: File, chosen: list[int]) -> Check:
+def _without_station(file: File, begins: Bools) -> Bools:
+    """(n,) true of the first station where the speeds of the profile are not, in their order, between that which the
+    cut allows at a station and the least of its neighbours; where a stretch begins the next station's holds."""
+    most = np.asarray(file["station most"], dtype=np.float64)
+    high = np.where(begins, np.append(most[1:], most[-1:]), most) * (1.0 + DIRECTION)
+    low = np.minimum(np.minimum(most, np.append(most[1:], np.inf)), np.append(np.inf, most[:-1])) * (1.0 - SIMPLER)
+    found, at = np.zeros(len(most), dtype=np.bool_), 0
+    for speed in file["speed"][np.isfinite(file["speed"])].tolist() if "speed" in file else ():
+        fits = np.flatnonzero((low[at : at + AHEAD] <= speed) & (speed <= high[at : at + AHEAD]))
+        fits = fits if len(fits) else np.flatnonzero((low[at:] <= speed) & (speed <= high[at:]))
+        if not len(fits):
+            found[min(at, len(most) - 1)] = True
+            break
+        at += int(fits[0]) + 1
+    return found
+
+
+def arcs_check(judge: CutJudge, file: File, chosen: list[tuple[int, int]]) -> Check:
     """Whether the arcs of some stations are in material: in each slice the angles that are told, or not, without being
     in material anywhere, or everywhere, within a cell of it."""
     what = "engagement of the cut"
     worst = Check(what, 0.0, IMMERSION, "", True)
     first = np.concatenate([[0], np.cumsum(file["engagement arcs"])]).astype(np.int64)
-    for i in chosen:
-        row = row_of(judge, float(file["station time"][i]))
-        if row is None:
-            continue
+    for i, row in chosen:
         arcs, high = slice(first[i], first[i + 1]), float(file["engagement slice_height"][i])
         told = told_at(*(file[f"engagement {each}"][arcs] for each in ("slice", "entry", "exit")))
         slices = slices_of(judge, row, high, len(told))
@@ -158,12 +187,11 @@ def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints) -> 
     return Seen(everywhere, anywhere)
 
 
-def end_check(judge: CutJudge, file: File, chosen: list[int]) -> Check:
+def end_check(judge: CutJudge, file: File, chosen: list[tuple[int, int]]) -> Check:
     """Whether the share of the flat end that cuts is that which the file tells, where the motion goes down."""
     worst = Check("end of the tool in the cut", 0.0, IMMERSION, "", True)
-    for i in chosen:
-        row = row_of(judge, float(file["station time"][i]))
-        if row is None or float(file["engagement along"][i]) > -STEEP:
+    for i, row in chosen:
+        if float(file["engagement along"][i]) > -STEEP:
             continue
         told, shares = float(file["engagement bottom"][i]), []
         for each in judge.rows_near(row, judge.promise.resolution):
@@ -188,10 +216,3 @@ def share_of_end(judge: CutJudge, row: int) -> float:
     radius = flat * (np.arange(8) + 0.5) / 8
     seen = surface.seen_at(radius, ANGLES)
     return float((seen.mean(axis=1) * radius).sum() / radius.sum())
-
-
-def row_of(judge: CutJudge, time: float) -> int | None:
-    """The set-point at a time at which the tool moves; None where it stands or is not judged."""
-    row = int(np.clip(np.searchsorted(judge.points.t, time), 1, len(judge.points) - 2))
-    at = int(np.searchsorted(judge.moving, row))
-    return row if at < len(judge.moving) and int(judge.moving[at]) == row else None

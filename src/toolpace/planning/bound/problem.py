@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import itertools
 from copy import copy
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Floats, Ints
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
-from toolpace.kernels.optimal.dual import KnotRows, dual_value
+from toolpace.kernels.optimal.dual import KnotRows, dual_value, lowest_with_root
 from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
 
 START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
+HALVINGS = 60
+"""Of an interval in which a least value is looked for."""
+ROUNDING = 1e-13
+"""Share of the sums that a bound with several lines for a piece is charged for rounding."""
+TELLS = 1e-6
+"""Share of the price of the pace from which that of sqrt(z) at the highest z makes a difference between such lines."""
 LEAST_ROOM = 0.7
 """Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
 other side, where it is held as well."""
@@ -57,9 +64,44 @@ class Knots:
         self.shift, self.root = np.zeros(self.rows.shape[:2]), np.zeros(self.rows.shape[:2])
         self.rows[:, lines.column], self.shift[:, lines.column], self.root[:, lines.column] = rows, shift, root
 
-    def linear(self, c: Floats) -> tuple[KnotRows, Floats]:
+    def _local(self, x: Floats) -> tuple[Floats, Floats]:
+        """(points, k) constants and multiples of sqrt(z) of the rows of acceleration by their largest lines at x
+        (points, k); those of jerk as they are."""
+        assert self.lines is not None
+        shift, root = self.shift[:, self.lines.column], self.root[:, self.lines.column]
+        height, fall = self.lines.chosen(x)
+        scale = np.abs(self.lines.height.max(axis=2)) + 1.0
+        is_jerk = self.lines.is_jerk
+        return np.where(is_jerk, shift, 1.0 - height / scale), np.where(is_jerk, root, fall / scale)
+
+    def _gained_by_choices(self, dual: Floats, kappa: Floats, theta: Floats, high: Floats) -> float:
+        """What the dual function gains where the largest of several lines counts, over one line above all of them."""
+        lines = self.lines
+        assert lines is not None
+        price = dual[:, lines.column, 0] - dual[:, lines.column, 1]
+        price[:, lines.is_jerk] = 0.0
+        scale = np.abs(lines.height.max(axis=2)) + 1.0
+        root = self.by_knot((price * self.root[:, lines.column]).sum(axis=1))
+        some = root * high > TELLS * np.maximum(kappa, 0.0)
+        some[[0, -1]] &= self.end == newton.REST
+        point = np.repeat(some, np.diff(self.first))
+        first = np.concatenate([[0], np.cumsum(np.diff(self.first)[some])])
+        if not some.any():
+            return 0.0
+        of_points = (part[point] for part in (price / scale, lines.height, lines.fall))
+        exact = least_over_choices(kappa[some], theta[some], np.sqrt(high[some]), first, *of_points)
+        # with the constants of the one line, which the dual function has counted
+        counted = self.by_knot((price * (self.shift[:, lines.column] - 1.0)).sum(axis=1))[some]
+        before = np.empty(len(exact))
+        for k, (a, b, c, d) in enumerate(zip(kappa[some], theta[some], root[some], high[some])):
+            before[k] = lowest_with_root(a, b, c, 0.0, d)
+        gained = exact - counted - before
+        return float(gained.sum() - ROUNDING * (np.abs(exact) + np.abs(before) + np.abs(counted)).sum())
+
+    def linear(self, c: Floats, local: bool = False) -> tuple[KnotRows, Floats]:
         """The same for the relaxation, sqrt(z) made linear at coefficients c (n + 2,), and (points, k) the factors of
-        `multipliers`. It gives multipliers; the bound is theirs in the problem itself.
+        `multipliers`. It gives multipliers; the bound is theirs in the problem itself. `local`: by the largest of
+        several lines there, not by the one line above all of them.
 
         Near its limit a row takes sqrt(z) for the inverse of the pace p, of which the wait is a part. The tangent is
         linear in p, so that the row becomes one of jerk,
@@ -73,9 +115,11 @@ class Knots:
         u, column, half = self.state(c), self.lines.column, self.rows.shape[1] // 2
         x = np.sqrt(np.repeat(u[:, 0], np.diff(self.first)))[:, None]
         rows, shift, root = self.rows[:, column], self.shift[:, column], self.root[:, column]
+        if local:
+            shift, root = self._local(x + np.zeros(len(column)))
         limit, by_pace = 1.0 - shift - root * x, root * x * x
-        value = self.used(u)[:, column] - (shift + root * x)
-        near = value > limit - 2.0 * root * x + LEAST_ROOM * limit
+        value = np.einsum("pki,pi->pk", rows, np.repeat(u, np.diff(self.first), axis=0))
+        near = (value > limit - 2.0 * root * x + LEAST_ROOM * limit) & (by_pace > 0.0) & ~self.lines.is_jerk
         factor = np.where(near, 1.0 / np.where(near, by_pace, 1.0), 0.0)
         by_z = np.where(near[:, :, None], 0.0, rows)
         by_z[:, :, 0] += np.where(near, 0.0, root / (2.0 * x))
@@ -111,7 +155,10 @@ class Knots:
         """The bound by multipliers (points, rows, 2) >= 0 of the sum over all z from low to high (n,), kappa, theta."""
         low = np.zeros(len(self.weight)) if low is None else low
         high = self.cap if high is None else high
-        return dual_value(self.as_knots(), low, high, dual)
+        value, kappa, theta = dual_value(self.as_knots(), low, high, dual)
+        if self.lines is not None and self.lines.height.shape[2] > 1 and not low.any():
+            value += self._gained_by_choices(dual, kappa, theta, high)
+        return value, kappa, theta
 
     def value(self, dual: Floats, low: Floats | None = None, high: Floats | None = None) -> float:
         """The bound alone."""
@@ -216,3 +263,64 @@ def start_within(
     floor = low > 0.0
     relief[floor, relaxation_work.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
+
+
+def least_over_choices(
+    kappa: Floats, theta: Floats, top: Floats, first: Ints, price: Floats, height: Floats, fall: Floats
+) -> Floats:
+    """(n,) the least over 0 < x <= top (n,) of kappa / x + theta x^2 - sum of price times limit, at knots of which the
+    points `first` (n + 1,) begin; the limit of a row is the largest of its lines (points, k, choices) at x.
+
+    Interval by interval, between the places where another line is the largest. In an interval the slope has the sign of
+    g(x) = 2 theta x^3 + root x^2 - kappa, see `lowest_with_root`.
+    """
+    n, choices = len(kappa), height.shape[2]
+    knot = np.repeat(np.arange(n), np.diff(first))
+    meets = []
+    for i in range(choices):
+        for j in range(i):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                x = (height[:, :, i] - height[:, :, j]) / (fall[:, :, i] - fall[:, :, j])
+            meets.append(np.where((x > 0.0) & (x < top[knot][:, None]) & (price > 0.0), x, np.inf))
+    of_points = np.sort(np.concatenate(meets, axis=1), axis=1)
+    sides = int(np.diff(first).max())
+    edges = np.full((n, sides * of_points.shape[1]), np.inf)
+    side = np.arange(len(knot)) - first[knot]
+    for each in range(sides):
+        mine = side == each
+        edges[knot[mine], each * of_points.shape[1] : (each + 1) * of_points.shape[1]] = of_points[mine]
+    edges = np.sort(np.minimum(edges, top[:, None]), axis=1)
+    edges = edges[:, np.append(True, (np.diff(edges, axis=1) > 0.0).any(axis=0))]
+    edges = np.concatenate([np.zeros((n, 1)), edges, top[:, None]], axis=1)
+    best = np.full(n, np.inf)
+    for low, high in itertools.pairwise(edges.T):
+        middle = 0.5 * (low + high)[knot]
+        largest = (height - fall * middle[:, None, None]).argmax(axis=2)[:, :, None]
+        of_rows = [np.take_along_axis(part, largest, axis=2)[:, :, 0] for part in (height, fall)]
+        constant, root = (np.add.reduceat((price * part).sum(axis=1), first[:-1]) for part in of_rows)
+        inside = first_zero(kappa, theta, root, low, high)
+        for x in (low, high, inside):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = np.where(x > 0.0, kappa / x, np.where(kappa > 0.0, np.inf, 0.0))
+            value = value + (theta * x + root) * x - constant
+            best = np.minimum(best, np.where(high > low, value, np.inf))
+    return best
+
+
+def first_zero(kappa: Floats, theta: Floats, root: Floats, low: Floats, high: Floats) -> Floats:
+    """(n,) where 2 theta x^3 + root x^2 - kappa rises above zero between low and high (n,); high where it does not."""
+
+    def g(x: Floats) -> Floats:
+        return (2.0 * theta * x + root) * x * x - kappa
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        summit = np.where(theta < 0.0, -root / (3.0 * theta), np.inf)
+    far = np.where((summit > low) & (summit < high), summit, high)
+    crosses = (g(low) < 0.0) & (g(far) > 0.0)
+    near, far = low.copy(), np.where(crosses, far, high)
+    if crosses.any():
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            above = g(middle) > 0.0
+            far, near = np.where(crosses & above, middle, far), np.where(crosses & ~above, middle, near)
+    return far

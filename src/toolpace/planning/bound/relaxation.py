@@ -148,12 +148,34 @@ def relaxed(
 ) -> Relaxation:
     """The relaxation of a problem with z from low (0: unknown) to high (n,), by a plan's c; `enough` ends it early."""
     start, relief = start_within(knots, c, low, high)
-    linear, factor = knots.linear(c)
-    value, found, wait, steps = relaxation.relax(linear, low, high, start, relief, tolerance, enough, MOST_STEPS)
-    multipliers = knots.multipliers(found, factor)
     if knots.lines is not None:
-        value = knots.value(multipliers, low, high)
+        return relaxed_over_lines(knots, c, (start, relief), low, high, tolerance)
+    value, multipliers, wait, steps = relaxation.relax(
+        knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
+    )
     return Relaxation(value, multipliers, wait, start, steps)
+
+
+def relaxed_over_lines(
+    knots: Knots, c: Floats, begin: tuple[Floats, Floats], low: Floats, high: Floats, tolerance: float
+) -> Relaxation:
+    """The same with limits that depend on the speed; `begin` are coefficients and reliefs as `start_within` finds them.
+
+    Where a piece of such a limit has several lines, by the one line above all of them, by those at the plan, and, since
+    the dual function is concave, by the mean of both, whichever gives most.
+    """
+    several = knots.lines is not None and knots.lines.height.shape[2] > 1
+    found: list[Relaxation] = []
+    for local in (False, True)[: 1 + several]:
+        linear, factor = knots.linear(c, local)
+        start = begin[0].copy()
+        _, dual, wait, steps = relaxation.relax(linear, low, high, start, begin[1], tolerance, np.inf, MOST_STEPS)
+        dual = knots.multipliers(dual, factor)
+        found.append(Relaxation(knots.value(dual, low, high), dual, wait, start, steps))
+    if several:
+        dual = (found[0].dual + found[1].dual) / 2.0
+        found.append(found[1]._replace(value=knots.value(dual, low, high), dual=dual))
+    return max(found, key=lambda one: one.value)
 
 
 def lower_bound(problem: Problem, law: SplineLaw) -> Bound:

@@ -33,8 +33,8 @@ from toolpace.results.write.cut_limits import (
     CUT_LIMITS,
     cut_arrays,
     cut_part,
+    judged_cut,
     profile_of,
-    promise_of,
     read_cut,
     write_cut,
 )
@@ -56,7 +56,7 @@ from toolpace.results.write.result import (
 
 __all__ = [
     "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "SetPointDigest", "bent_tool", "cut_arrays", "cut_part", "digest_of", "profile_of", "promise_of",
+    "PlanResult", "SetPointDigest", "bent_tool", "cut_arrays", "cut_part", "digest_of", "judged_cut", "profile_of",
     "read_again", "read_cut", "read_plan", "reading_record",
     "refuse_without_set_points", "write_csv", "write_folder",
 ]  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.judge.cut import CutPromise
     from toolpace.judge.cut.stocks import Stock
+    from toolpace.judge.verification import Check
     from toolpace.machine.machine import Machine
+    from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.stock_figures import StockFigures
     from toolpace.programs.toolpath import ToolPath
@@ -111,6 +114,32 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
     return stream.getvalue()
+
+
+def judged_cut(
+    record: CutLimitsRecord, file: Mapping[str, Floats | Ints], points: SetPoints, toolpath: ToolPath, setup: SetUp,
+    machine: Machine, *, bends: bool,
+) -> tuple[Check, ...]:  # fmt: skip
+    """The judge's word on the cut of set-points along a program with its own feeds, and on what plan.json and
+    cut_limits.npz say of it; bends: whether the path is compensated for the bending of its tool."""
+    from toolpace.judge.cut import checks_of_cut, not_judged
+    from toolpace.judge.verification import Check
+
+    if bends:
+        return (not_judged("the tool bends"),)
+    try:
+        promise = promise_of(record, toolpath, setup, machine)
+    except UsageError as error:
+        return (not_judged(str(error)),)
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    uncertainty = 0.0 if stock is None or promise.stock is None else 1e3 * stock.uncertainty
+    words = ""
+    if record.stock_guessed != (promise.stock is None):
+        words = "whether the stock is a guess is not as the set-up sheet says"
+    elif abs(record.uncertainty_mm - uncertainty) > 1e-9:
+        words = "the uncertainty of the stock is not that of the set-up sheet"
+    told = Check("plan.json cut_limits", 0.0, 0.0, "", not words, note=words)
+    return (told, *checks_of_cut(points, toolpath, promise, file))
 
 
 def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise:

@@ -2,6 +2,7 @@
 const RAW = [0.42, 0.47, 0.54], MACHINED = [0.78, 0.82, 0.87];
 const PART_COLOUR = 0x36c08a, FIXTURE_COLOUR = 0x8a6a4f, COLLISION_COLOUR = 0xe5484d, TOOL_COLOURS = [0xe0ab45, 0xb9c2cf, 0x77849a];
 const AROUND = 40;  // facets of a tool
+const REST = 4;  // times as long as it took to shape the stock, until it is shaped again while the motion is played
 
 class Workpiece {
   constructor(space, data, arrays) {
@@ -60,7 +61,9 @@ class Workpiece {
   // The stock as it is at a time, and the tool of the operation; whether there is one.
   pose(t, machine, length) {
     const { player } = this.space, stage = this.stock ? this.stock.stageAt(t, player.duration) : -1;
-    if (stage >= 0 && stage !== this.stage) this.shape(stage);
+    // a computer without graphics gets a quarter of the triangles while it plays
+    const coarse = this.space.plain && !!player.playing;
+    if (stage >= 0 && (stage !== this.stage || coarse !== this.coarse) && !(player.playing && performance.now() < this.rested)) this.shape(stage, coarse);
     const now = this.tools[player.operationAt(t)] || null;
     for (const each of this.tools) if (each) each.visible = each === now;
     if (now) {
@@ -73,8 +76,8 @@ class Workpiece {
     return !!now;
   }
 
-  shape(stage) {
-    const { corners, triangles, cut } = this.stock.surface(stage), colours = new Float32Array(corners.length);
+  shape(stage, coarse) {
+    const begin = performance.now(), { corners, triangles, cut } = this.stock.surface(stage, coarse), colours = new Float32Array(corners.length);
     cut.forEach((share, k) => { for (let d = 0; d < 3; d++) colours[3 * k + d] = RAW[d] + share * (MACHINED[d] - RAW[d]); });
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
@@ -82,7 +85,8 @@ class Workpiece {
     geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
     this.layers.stock.geometry.dispose();
     this.layers.stock.geometry = geometry;
-    this.stage = stage;
+    [this.stage, this.coarse] = [stage, coarse];
+    this.rested = performance.now() + REST * (performance.now() - begin);
   }
 }
 

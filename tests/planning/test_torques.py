@@ -1,0 +1,146 @@
+"""Torques and forces of motors: held between the nodes by pinocchio's account, IPOPT's optimum, priced, judged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.support.heavy_machines import BODIES, heavy_machine, motor_torques, random_dynamics
+from tests.support.random_paths import harmonics, random_limits
+from toolpace.common.errors import UsageError
+from toolpace.deflection.new_trajectory import replan
+from toolpace.judge import verify
+from toolpace.machine.dynamics import Dynamics, Link
+from toolpace.machine.dynamics.torques import torque_rows
+from toolpace.machine.limits import Limits
+from toolpace.path.axis_path import AxisPath
+from toolpace.path.path import Path
+from toolpace.planning.optimal.planner import fastest_law
+from toolpace.planning.planner import plan
+
+
+def problem(seed, joints, friction=True, share=0.5):
+    """A random path, limits of its joints, a chain of bodies, and torques between what it takes to hold it and what the
+    motion takes that knows no torques."""
+    path, limits = AxisPath.from_callable(harmonics(seed, joints)), random_limits(seed, joints)
+    dynamics = random_dynamics(seed, joints, friction=friction)
+    free = plan(path, limits, bound=False)
+    moment = free.at(np.linspace(0.0, free.duration, 2000))
+    constant = np.abs(dynamics.along(np.stack([moment.q, moment.qd, moment.qdd])).constant).max(axis=0)
+    most = np.abs(dynamics(moment.q, moment.qd, moment.qdd)).max(axis=0)
+    held = constant + share * np.maximum(most - constant, 0.1 * constant)
+    return path, replace(limits, rows=torque_rows(dynamics, held, limits.joints)), dynamics, held
+
+
+def assert_torques_hold(seed, joints):
+    path, limits, dynamics, most = problem(seed, joints)
+    trajectory = plan(path, limits)
+    moment = trajectory.at(np.linspace(0.0, trajectory.duration, 20_001))
+    used = (np.abs(motor_torques(dynamics, moment.q, moment.qd, moment.qdd)) / most).max()
+    assert used <= 1.0 + 1e-4
+    assert max(trajectory.usage().rows.values()) == pytest.approx(used, abs=1e-3)
+    assert trajectory.usage().worst <= 1.0001 and trajectory.gap < 0.01
+    assert verify(trajectory, limits).ok
+    return trajectory, used
+
+
+@pytest.mark.parametrize("seed, joints", [(1, 2), (8, 2), (2, 3)])
+def test_torques_with_weight_and_friction_hold_between_nodes(seed, joints):
+    trajectory, used = assert_torques_hold(seed, joints)
+    assert used > 0.99
+    assert any(name.startswith(("torque", "force")) for name in trajectory.limited_by())
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(10, 16))
+def test_torques_of_chains_hold_between_nodes(seed):
+    assert_torques_hold(seed, 1 + seed % 7)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(1000, 2000))
+def test_torques_of_a_thousand_chains_hold_between_nodes(seed):
+    assert_torques_hold(seed, 1 + seed % 7)
+
+
+def compared_with_ipopt(seed, joints):
+    pytest.importorskip("casadi")
+    from testbed import ipopt
+
+    path, limits, _, _ = problem(seed, joints)
+    law, _ = fastest_law(path.runs[0], limits, cells=100, guard=False)
+    best = ipopt.optimum(path, limits, 100)
+    assert best.note == ipopt.SUCCEEDED
+    return law.duration / best.law.duration
+
+
+def test_motions_with_torques_are_ipopts_optimum():
+    assert abs(compared_with_ipopt(3, 2) - 1.0) < 1e-4
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(40, 44))
+def test_motions_with_torques_are_ipopts_optimum_on_many(seed):
+    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-4
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(44, 104))
+def test_motions_with_torques_are_ipopts_optimum_on_sixty(seed):
+    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-4
+
+
+def test_the_price_of_a_torque_is_what_one_percent_more_gains():
+    path, limits, dynamics, most = problem(8, 2)
+    trajectory = plan(path, limits, bound=False)
+    prices = trajectory.prices()
+    dearest = max((row.name for row in limits.rows), key=lambda name: prices[name])
+    k = [row.name for row in limits.rows].index(dearest)
+    raised = most * np.where(np.arange(len(most)) == k, 1.01, 1.0)
+    stronger = replace(limits, rows=torque_rows(dynamics, raised, limits.joints))
+    gain = trajectory.duration - plan(path, stronger, bound=False).duration
+    assert gain > 1e-4 * trajectory.duration
+    assert abs(prices[dearest] - gain) <= max(0.1 * gain, 1e-4 * trajectory.duration)
+
+
+def test_an_axis_with_weight_goes_down_faster_than_up():
+    """A mass on one vertical joint: it falls as fast as its force and weight together make it."""
+    mass, force = 10.0, 150.0
+    weight = mass * 9.80665
+    dynamics = Dynamics((Link("linear", (0, 0, 1), mass=mass),))
+    path = AxisPath.from_callable(lambda s, order: [s, np.ones_like(s), 0 * s, 0 * s][order][:, None])
+    rows = torque_rows(dynamics, force, ("Z",))
+    trajectory = plan(path, Limits(10.0, 100.0, 1e5, ("Z",), rows), bound=False)
+    up = trajectory.at(np.linspace(0.0, trajectory.duration, 5000)).qdd
+    assert up.max() == pytest.approx((force - weight) / mass, rel=2e-3)
+    assert up.min() == pytest.approx(-(force + weight) / mass, rel=2e-3)
+    # up with (F - W) / m, down with (F + W) / m, over a metre
+    least = np.sqrt(2.0 * (1.0 / (force - weight) + 1.0 / (force + weight)) * mass)
+    assert least < trajectory.duration < 1.02 * least
+
+
+def test_the_table_of_a_machine_keeps_the_torque_of_its_motor():
+    machine = heavy_machine()
+    path = Path.paper_arc(feed=0.05)
+    held = plan(path, machine, bound=False)
+    assert held.usage().rows["torque A"] > 0.99 and "torque A" in held.active().names
+    found = verify(held, machine)
+    assert found.ok and {"force of X", "torque of A"} <= {check.name for check in found.checks}
+    weaker = heavy_machine(A=BODIES["A"].replace("torque = 60", "torque = 59"))
+    assert [check.name for check in verify(held, weaker).findings] == ["torque of A"]
+    heavier = machine.with_workpiece(20.0, (0.04, 0.0, 0.11))
+    assert not verify(held, heavier).ok and plan(path, heavier, bound=False).duration > held.duration
+
+
+def test_what_cannot_be_held_is_told():
+    path, limits = AxisPath.from_callable(harmonics(1, 2)), random_limits(1, 2)
+    dynamics = random_dynamics(1, 2)
+    with pytest.raises(UsageError, match=r"torque of joint .: weight and friction take .* give a stronger motor"):
+        plan(path, limits, rows=torque_rows(dynamics, 1e-3, limits.joints))
+    rows = torque_rows(dynamics, 1e4, limits.joints)
+    with pytest.raises(UsageError, match="second-order holds no"):
+        plan(path, limits, rows=rows, planner="second-order")
+    with pytest.raises(UsageError, match=r"rows of one's own \(.*\) are not held"):
+        replan(plan(path, limits, rows=rows, bound=False), 0.5, np.zeros(3))
