@@ -154,9 +154,9 @@ def main() -> None:
         "# Torques beside toppra and COPP\n\n"
         f"{written_by('python -m benchmarks.torques')}\n"
         f"Arms of rods with weight, velocities below {VELOCITY:g} rad/s, on random paths. toppra and the first\n"
-        f"of COPP know no jerk; others keep it below {JERK:g} rad/s3. Peers ask pinocchio point by point; ours has masses.\n"
-        "COPP holds its limits at the points, ours between them too. CPU times of one plan, a point of the mesh;\n"
-        "compare ratios, not microseconds: the machine was not idle.\n\n"
+        f"of COPP know no jerk; the others keep it below {JERK:g} rad/s3. Peers ask pinocchio point by point;\n"
+        "ours has masses. COPP holds its limits at the points, ours between them too. CPU times of one plan, a\n"
+        "point of the mesh; compare ratios, not microseconds: the machine was not idle.\n\n"
     )
     (RESULTS / "torques.md").write_text(head + table.markdown())
 

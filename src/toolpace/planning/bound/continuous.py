@@ -52,6 +52,8 @@ def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
     """
     if not (law.rest[0] > 0.0 and law.rest[1] > 0.0) or len(law.nodes) > MOST:
         return 0.0
+    # rows of one's own have no multipliers here: without them from the start, those of the joints make up for it
+    limits = replace(limits, rows=())
     # cells of the plan may be long where the feed holds it; multipliers need even ones that tell a ramp
     ramps = law.duration / ramp_time(limits)
     cells = int(max(FEWEST, len(law.nodes), min(STEPS_A_RAMP * ramps, MOST)))
@@ -74,8 +76,7 @@ def continuous_bound(run: AxisRun, limits: Limits, law: SplineLaw) -> float:
 def densities(knots: Knots, dual: Floats, joints: int) -> tuple[Floats, Floats]:
     """(n, joints) multipliers of jerk and of acceleration by length of path, as coefficients of splines over time.
 
-    Next to rest, stationarity makes the multipliers of jerk linear in time. Rows of one's own have none here: a bound
-    without them holds with them.
+    Next to rest, stationarity makes the multipliers of jerk linear in time.
     """
     half = knots.rows.shape[1] // 2
     signed = knots.by_knot(dual[:, :, 0] - dual[:, :, 1]) / knots.weight[:, None]
