@@ -16,9 +16,9 @@ PLACE, TILT = 1e-5, 1e-3
 """How far a station may be from the way of the tip [m], and its axis from that of the motion."""
 DIRECTION = 1e-6
 """By how much directions and shares of a motion may be off those that its stations tell."""
-SIMPLER, AHEAD = 2e-3, 1000
-"""Share of a speed by which the profile may be below that of a station, so that it has few places; stations in which
-the next of them is looked for first."""
+LOWERED, AHEAD = 0.4, 1000
+"""Share of the least speed of a station and its neighbours down to which the profile may be lowered there, as a speed
+bends or jumps between two of them; stations in which the next place is looked for first."""
 STEEP = 0.02
 """Share of a motion along the axis from which it is looked at what the flat of the end cuts: with less it slides."""
 IMMERSION = 0.03
@@ -114,11 +114,12 @@ def _off_direction(file: File, rapids: Ints) -> Bools:
 
 
 def _without_station(file: File, begins: Bools) -> Bools:
-    """(n,) true of the first station where the speeds of the profile are not, in their order, between that which the
-    cut allows at a station and the least of its neighbours; where a stretch begins the next station's holds."""
+    """(n,) true of the first station where the speeds of the profile are not, in their order, at or below that which
+    the cut allows at a station, and not far below the least of its neighbours. Where a stretch begins the next
+    station's holds."""
     most = np.asarray(file["station most"], dtype=np.float64)
     high = np.where(begins, np.append(most[1:], most[-1:]), most) * (1.0 + DIRECTION)
-    low = np.minimum(np.minimum(most, np.append(most[1:], np.inf)), np.append(np.inf, most[:-1])) * (1.0 - SIMPLER)
+    low = np.minimum(np.minimum(most, np.append(most[1:], np.inf)), np.append(np.inf, most[:-1])) * LOWERED
     found, at = np.zeros(len(most), dtype=np.bool_), 0
     for speed in file["speed"][np.isfinite(file["speed"])].tolist() if "speed" in file else ():
         fits = np.flatnonzero((low[at : at + AHEAD] <= speed) & (speed <= high[at : at + AHEAD]))
