@@ -72,7 +72,9 @@ CASES = {
     # GPL: an example of LinuxCNC's (FC Hermle, 2011)
     "boat-xyzac": Case("linuxcnc-xyzac-trt", 0.5, {"1": 0.24}),
     # GPL: an example of LinuxCNC's (Gordon, Drew, Corner), whose F is far above the feed that its comment tells
-    "3D_Chips": Case("linuxcnc-xyzac-trt", 1.5, {"1": 0.14}),
+    "3D_Chips": Case("linuxcnc-xyzac-trt", 0.8, {"1": 0.14}),
+    # no licence is told: a program by hand for a table with A and C
+    "gu_cutting": Case("xyzac-trunnion", 0.4, {"": 0.025}),
     # no licence is told: github.com/Epictetzu/GCodePosts, posted by Fusion for a mill with GRBL
     "NozzleDeepADOC_OP1": Case("xyzac-trunnion", 0.5, {"1": 0.028, "3": 0.028}),
     # no licence is told: github.com/Mheaton92/PMC, posted by Fusion for a Haas

@@ -9,7 +9,8 @@ import pytest
 
 from tests.support import motions
 from tests.support.walks import AXIS, MACHINE, TIP, least_seconds, random_walk, set_points
-from toolpace.judge import alignment, sections, verify
+from toolpace.judge import alignment, verify
+from toolpace.judge.alignment import sections
 from toolpace.programs.toolpath import no_rapids
 
 POINTS = motions.set_points()

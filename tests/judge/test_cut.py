@@ -359,3 +359,14 @@ def test_what_is_learned_is_within_a_teacher():
     chip, area, edge = np.array(promise.teachers["1"]).max(axis=0)
     judge.promise = dataclasses.replace(promise, teachers={"1": [(0.9 * chip, area, edge)]})
     assert not learned_check(judge, in_shoulder).ok
+
+
+def test_angles_may_be_told_about_another_direction_of_the_feed():
+    """Where a tool goes down nearly along its axis, the feed from station to station is not that of an instant."""
+    surface = straight(ToolFigures("flat", 10e-3, flute_length=20e-3), WIDE)
+    length = surface.shape.length_at(np.array([1e-3]))
+    own, aside = (surface.motion.angle_of_feed(np.array(feed)) for feed in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+    seen = surface.seen_at(length, 120, first=own)
+    assert own == 0.0 and seen.sum() == 60
+    # seen from the spindle, what is ahead of a feed along x is 90 degrees clockwise of a feed along y
+    assert (surface.seen_at(length, 120, first=aside) == np.roll(seen, 30, axis=1)).all()

@@ -17,7 +17,7 @@ from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
-from toolpace.results.report.words import WORTH_A_WORD, mesh_gap, motion_gap, savings
+from toolpace.results.report.words import WORTH_A_WORD, limits_now, mesh_gap, motion_gap, savings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -209,12 +209,7 @@ def show_prices(console: Console, record: PlanRecord, machine: Machine) -> None:
     up in a line."""
     if not record.prices_s:
         return
-    kinds = (*KINDS, *MOTORS)
-    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
-    for curve in machine.limits.curves:
-        of_joint = f"{curve.kind} {curve.joint}"
-        now[curve.name] = now[of_joint]
-        now[of_joint] = f"{now[of_joint].partition(' ..')[0]} {now[of_joint].rpartition(' ')[2]}"
+    now = limits_now(machine)
     headings = ("limit", "now", "1 % more saves", "10 % more saves, up to")
     table = new_table(headings, left=("limit",))
     dear = savings(record.prices_s, record.duration_s)

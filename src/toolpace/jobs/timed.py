@@ -96,22 +96,9 @@ def timed(
 
     Raises ToolpaceError: of a program that the machine cannot follow too, whether it is planned or not.
     """
-    import numpy as np
-
-    from toolpace.controls.timing.exceeded import raised_limits
-    from toolpace.controls.timing.figures import within_limits
-    from toolpace.controls.timing.program_time import (
-        figures_for,
-        moves_of,
-        of_operations,
-        time_of_moves,
-        with_range,
-    )
-    from toolpace.jobs.inspection import follow_as_planned
-    from toolpace.motion.trajectory import operation_times
+    from toolpace.controls.timing.program_time import figures_for, moves_of, of_operations
     from toolpace.programs.reading import Findings, Source
     from toolpace.programs.reading.languages import with_controller
-    from toolpace.programs.reading.setup_file import with_cure_of_zero
     from toolpace.results.write.plan_json import cut_sums
 
     source = source if source is not None else Source.load(program)
@@ -121,47 +108,21 @@ def timed(
         moves = moves_of(source, request.machine, options, request.feed, request.dialect, findings)
         step.note = f"{program}: {moves.blocks} blocks, {len(moves)} moves"
     change, waits_only = options.setup.tool_change, len(moves) < 2
+    ideal = figures.model == "ideal" and not waits_only
     planned = request.optimum or figures.model == "ideal"
     task = planned_job(source, replace(request, options=options), figures)
-    best: tuple[OperationTime, ...] = ()
-    toolpath: ToolPath | None = None
-    if figures.model == "ideal" and not waits_only:
-        trajectory, toolpath = fastest_motion(task, steps)
-        best = tuple(operation_times(trajectory, toolpath))
-    elif planned and not waits_only:
-        best = optimum_of(task, steps)
-    elif not waits_only:
-        toolpath = plan_steps.read_program(task, steps)
-        with with_cure_of_zero(toolpath.assumed):
-            follow_as_planned(request.machine, toolpath)
-    if figures.model == "ideal" and not waits_only:
-        time = of_operations(best, moves, change)
-    else:
-        time = time_of_moves(moves, request.machine, figures, change)
-        with steps.step("range"):
-            time = with_range(time, moves, request.machine, figures)
+    best, trajectory, toolpath = ((), None, None) if waits_only else followed(task, steps, ideal, planned)
+    time = of_operations(best, moves, change) if ideal else time_on_control(moves, request, figures, change, steps)
     cut: CutSimulation | None = None
     if options.setup.workpiece.stock is not None and not waits_only:
         toolpath = toolpath if toolpath is not None else plan_steps.read_program(task, steps)
         with motion_cut.without_cut(steps):
-            if figures.model == "ideal":
-                cut = motion_cut.cut_motion(
-                    task.options.setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES, stock=stock
-                )
+            if trajectory is not None:
+                finest = motion_cut.CELL_FOR_TIMES
+                cut = motion_cut.cut_motion(options.setup, steps, trajectory, toolpath, finest=finest, stock=stock)
             else:
                 cut = cut_on_control(task, steps, toolpath, times_of_points(toolpath, moves, time.times), stock)
-    changes = time.sum("tool_change")
-    likewise = None
-    if best and time.exceeded:
-        raised = within_limits(request.machine, raised_limits(request.machine, time.exceeded))
-        steps.say("optimum with the limits that the control exceeds as high as it goes")
-        try:
-            likewise = sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + changes
-        except ToolpaceError as error:
-            # limits some thousand times as high are no machine's: what else was found still counts
-            steps.say(f"left out, since no motion was found with these limits: {error}")
-    tolerances = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
-    least = sum(each.time for each in best) + changes if best else None
+    least = sum(each.time for each in best) + time.sum("tool_change") if best else None
     return Timed(
         program,
         control=found.controller.name if found.controller is not None else "",
@@ -170,13 +131,72 @@ def timed(
         time=time,
         best=best,
         optimum=time.total if planned and waits_only else least,
-        optimum_likewise=likewise,
+        optimum_likewise=optimum_likewise(task, steps, time) if best else None,
         cut=None if cut is None else cut_sums(cut),
         left=stock if cut is None else cut.left,
         assumed=findings.assumptions,
-        program_tolerance=(float(tolerances.min()), float(tolerances.max())) if len(tolerances) else None,
+        program_tolerance=tolerances_of(moves),
         model_tolerance=figures.room if figures.model in ("sinumerik", "heidenhain", "lookahead") else None,
     )
+
+
+def followed(
+    task: job.Job, steps: TimedSteps, ideal: bool, planned: bool
+) -> tuple[tuple[OperationTime, ...], Trajectory | None, ToolPath | None]:
+    """The parts of the optimum, its motion where that is the time itself (ideal), and the program as far as it is kept.
+
+    Raises ToolpaceError where the machine cannot follow the program, whether it is planned or not.
+    """
+    from toolpace.jobs.inspection import follow_as_planned
+    from toolpace.motion.trajectory import operation_times
+    from toolpace.programs.reading.setup_file import with_cure_of_zero
+
+    if ideal:
+        trajectory, toolpath = fastest_motion(task, steps)
+        return tuple(operation_times(trajectory, toolpath)), trajectory, toolpath
+    if planned:
+        return optimum_of(task, steps), None, None
+    toolpath = plan_steps.read_program(task, steps)
+    with with_cure_of_zero(toolpath.assumed):
+        follow_as_planned(task.machine, toolpath)
+    return (), None, toolpath
+
+
+def time_on_control(
+    moves: Commanded, request: TimeRequest, figures: ControlFigures, change: float, steps: TimedSteps
+) -> ProgramTime:
+    """The time that a control takes by its model, with its range; change: of a tool [s]."""
+    from toolpace.controls.timing.program_time import time_of_moves, with_range
+
+    time = time_of_moves(moves, request.machine, figures, change)
+    with steps.step("range"):
+        return with_range(time, moves, request.machine, figures)
+
+
+def optimum_likewise(task: job.Job, steps: TimedSteps, time: ProgramTime) -> float | None:
+    """The least time with each limit as high as the control went, tool changes with it [s]; None where it exceeded
+    none, or no motion is found."""
+    from toolpace.controls.timing.exceeded import raised_limits
+    from toolpace.controls.timing.figures import within_limits
+
+    if not time.exceeded:
+        return None
+    raised = within_limits(task.machine, raised_limits(task.machine, time.exceeded))
+    steps.say("optimum with the limits that the control exceeds as high as it goes")
+    try:
+        return sum(each.time for each in optimum_of(replace(task, machine=raised), steps)) + time.sum("tool_change")
+    except ToolpaceError as error:
+        # limits some thousand times as high are no machine's: what else was found still counts
+        steps.say(f"left out, since no motion was found with these limits: {error}")
+        return None
+
+
+def tolerances_of(moves: Commanded) -> tuple[float, float] | None:
+    """The least and the widest tolerance of the tip that a program asks for [m]; None where it asks for none."""
+    import numpy as np
+
+    found = moves.tolerance[np.isfinite(moves.tolerance) & (moves.tolerance > 0.0)]
+    return (float(found.min()), float(found.max())) if len(found) else None
 
 
 def planned_job(source: Source, request: TimeRequest, figures: ControlFigures) -> job.Job:

@@ -129,8 +129,8 @@ class UsageFigures:
         ]
 
     def curve_shares(self) -> dict[str, Floats]:
-        """(n,) what each set-point uses of each limit that falls with the speed of its joint, by name; where it is at its
-        largest value, which is a limit of its own, nothing."""
+        """(n,) what each set-point uses of each limit that falls with the speed of its joint, by name; nothing where it
+        is at its largest value, which is a limit of its own."""
         limits, points, found = self.machine.limits, self.points, {}
         for curve in limits.curves:
             if curve.largest > curve.least:

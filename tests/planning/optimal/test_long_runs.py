@@ -281,13 +281,13 @@ def test_ctrl_c_in_the_middle_of_a_long_plan(after):
 
 @pytest.mark.sweep
 def test_memory_of_a_long_run():
-    """A kilobyte a node would be 100 MB: rows of the whole run, with all that goes with them, would take more."""
+    """A kilobyte a node would be 200 MB: rows of the whole run, with all that goes with them, would take more."""
     script = """
 import resource
 from testbed.long_path import long_path
 from toolpace import plan
 def most(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-for cells in (20_000, 120_000):
+for cells in (20_000, 200_000):
     path, limits = long_path(cells)
     trajectory = plan(path, limits, mesh=cells)
     assert trajectory.usage().worst <= 1.0001 and trajectory.gap < 1e-3
@@ -295,4 +295,4 @@ for cells in (20_000, 120_000):
 """
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=600)
     small, large = map(float, done.stdout.split())
-    assert large - small < 90.0
+    assert large - small < 180.0

@@ -76,6 +76,11 @@ class ToolMotion:
         """The same, so many times as fast."""
         return ToolMotion(self.shape, self.tip, self.axis, factor * self.velocity, factor * self.turning)
 
+    def angle_of_feed(self, feed: Floats) -> float:
+        """By how much angles are larger here than those about another direction of the feed (3,) [rad]."""
+        left = np.cross(self.axis, feed)
+        return math.atan2(float(left @ self.feed), float(left @ self.left))
+
     def direction(self, angle: Floats) -> Floats:
         """(n, 3) across the axis at angles (n,)."""
         return np.cos(angle)[:, None] * self.left + np.sin(angle)[:, None] * self.feed
@@ -142,9 +147,10 @@ class Surface:
         edges = bands_of(self.shape, self.top())
         return Section(edges, self.arcs(edges.mean(axis=1)))
 
-    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0) -> Bools:
-        """(m, count) whether it is in material at lengths (m,), at so many angles from 0 on; see `in_material`."""
-        angle = (np.arange(count) + 0.5) * TURN / count
+    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0) -> Bools:
+        """(m, count) whether it is in material at lengths (m,), at so many angles from the first on; see
+        `in_material`."""
+        angle = first + (np.arange(count) + 0.5) * TURN / count
         found = self.in_material(np.repeat(lengths, count), np.tile(angle, len(lengths)), margin)
         return found.reshape(len(lengths), count)
 

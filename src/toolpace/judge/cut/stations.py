@@ -145,7 +145,7 @@ def arcs_check(judge: CutJudge, file: File, chosen: list[tuple[int, int]]) -> Ch
         said[known] = told[slices[known]]
         off = math.inf
         for rows in ([row], judge.rows_near(row, judge.promise.resolution)):
-            seen = seen_within(judge, rows, high, slices)
+            seen = seen_within(judge, rows, high, slices, file["engagement feed_direction"][i])
             off = float(((said & ~seen.anywhere) | (~said & seen.everywhere)).mean())
             if off <= IMMERSION:
                 break
@@ -172,18 +172,19 @@ def slices_of(judge: CutJudge, row: int, high: float, told: int) -> Ints:
     return np.unique(np.linspace(0, count - 1, min(count, MOST_SLICES)).round().astype(np.int64))
 
 
-def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints) -> Seen:
+def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints, feed: Floats | Ints) -> Seen:
     """What is in material of slices (m,) of a height [m] at set-points next to each other, from half a slice below each
-    to half of one above."""
+    to half of one above; angles are from a direction of the feed (3,)."""
     everywhere = np.ones((len(slices), ANGLES), dtype=np.bool_)
     anywhere = ~everywhere
     for row in rows:
         surface = judge.surface(row)
+        begin = surface.motion.angle_of_feed(np.asarray(feed, dtype=np.float64))
         for share in (0.02, 0.5, 0.98):
             height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
             lengths = surface.shape.length_at(height)
-            everywhere &= surface.seen_at(lengths, ANGLES)
-            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin)
+            everywhere &= surface.seen_at(lengths, ANGLES, first=begin)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin, begin)
     return Seen(everywhere, anywhere)
 
 

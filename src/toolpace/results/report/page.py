@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from toolpace.common.errors import printable
 from toolpace.common.units import format_length, format_time
+from toolpace.machine.limit_curves import CURVE
 from toolpace.machine.limits import KINDS, MOTORS
 from toolpace.motion.set_point_files import MACHINE
 from toolpace.motion.setpoints import SetPointSource
@@ -28,6 +29,7 @@ from toolpace.results.report.words import (
     four_digits,
     joint_colour,
     limit_words,
+    limits_now,
     percent,
     savings,
 )
@@ -149,9 +151,7 @@ def _prices(figures: PlanFigures, duration: float, machine: Machine | None) -> s
     """What more of each limit would save, the most first; empty where that was not worked out."""
     if not figures.prices_s:
         return ""
-    joints = [] if machine is None else machine.summary()
-    now = {f"{kind} {row['joint']}": row[kind] for row in joints for kind in KINDS}
-    rows = []
+    now, rows = limits_now(machine), []
     for name, times in savings(figures.prices_s, duration).items():
         cells = "".join(f'<td class="n">{format_time(each)}, {percent(each / duration)}</td>' for each in times)
         rows.append(
@@ -210,6 +210,8 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
         for kind in KINDS:
             share, limit = getattr(usage, kind)[joint], float(getattr(limits, kind)[j]) * scale
             text = f"of {four_digits(limit)} {unit}{per[kind]}" if math.isfinite(limit) else "no limit"
+            if f"{kind} {CURVE}{joint}" in limits.names:
+                text += f', {percent(usage.rows[f"{kind} {CURVE}{joint}"])} at its speed'
             cells.append(_used(j, share, text))
         if joint in motors:
             motor = motors[joint]

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from toolpace.machine.limit_curves import CURVE, CurvedLimit
 from toolpace.machine.limits import KINDS, MOTORS
+from toolpace.machine.machine import Machine
 
 WORTH_A_WORD = 1e-3
 """Gap from which its largest parts are located."""
@@ -73,6 +74,20 @@ def savings(prices: Mapping[str, float], duration: float) -> dict[str, tuple[flo
     """
     dear = {name: gain for name, gain in prices.items() if gain >= LEAST_PRICE * duration}
     return {name: (gain, duration * (1.0 - 1.1 ** (-100.0 * gain / duration))) for name, gain in dear.items()}
+
+
+def limits_now(machine: Machine | None) -> dict[str, str]:
+    """The figures of a machine's limits by their names: of one that falls with the speed its largest and its least
+    value, beside the largest alone, which is a limit of its own."""
+    if machine is None:
+        return {}
+    kinds = (*KINDS, *MOTORS)
+    now = {f"{kind} {row['joint']}": row[kind] for row in machine.summary() for kind in kinds if kind in row}
+    for curve in machine.limits.curves:
+        largest = f"{curve.kind} {curve.joint}"
+        now[curve.name] = now[largest]
+        now[largest] = f"{now[largest].partition(' ')[0]} {now[largest].rpartition(' ')[2]}"
+    return now
 
 
 def percent(share: float) -> str:
