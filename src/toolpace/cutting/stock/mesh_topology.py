@@ -315,7 +315,13 @@ def _beside(start: Floats, end: Floats, at: Floats) -> tuple[Bools, Floats]:
 
 def box_triangles(low: Floats, high: Floats) -> Floats:
     """(12, 3, 3) of the box between two corners (3,), counterclockwise seen from outside."""
-    corners = np.array([[(low, high)[k >> d & 1][d] for d in range(3)] for k in range(8)])
-    quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
-    triangles: Floats = corners[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])]
-    return triangles
+    # stock and finished part have the same ones, so that rays round alike where faces coincide
+    corner, found = np.array([low, high]), []
+    for d in range(3):
+        square = np.empty((2, 4, 3))
+        square[:, :, d] = corner[:, d, None]
+        square[:, :, d - 2] = corner[[0, 1, 1, 0], d - 2]
+        square[:, :, d - 1] = corner[[0, 0, 1, 1], d - 1]
+        square[0] = square[0, ::-1]
+        found += [square[:, [0, 1, 2]], square[:, [0, 2, 3]]]
+    return np.concatenate(found)

@@ -251,7 +251,7 @@ def arc_holding(arcs: Arcs, first: int, count: int, j: int, phi: float) -> int:
 @jit()
 def end_near(arcs: Arcs, k: int, is_entry: bool, phi: float) -> float:
     """Where an arc begins or ends, in the turn that is the nearest to an angle."""
-    end = arcs.entry[k] if is_entry else arcs.exit[k]
+    end: float = arcs.entry[k] if is_entry else arcs.exit[k]
     return end + TURN * round((phi - end) / TURN)
 
 
