@@ -12,6 +12,7 @@ from tests.support.random_paths import harmonics, random_limits
 from toolpace.common.errors import UsageError
 from toolpace.deflection.new_trajectory import replan
 from toolpace.judge import verify
+from toolpace.judge.usage import UsageFigures
 from toolpace.machine.dynamics import Dynamics, Link
 from toolpace.machine.dynamics.torques import torque_rows
 from toolpace.machine.limits import Limits
@@ -19,6 +20,7 @@ from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
+from toolpace.results.write.plan_json import usage_record
 
 
 def problem(seed, joints, friction=True, share=0.5):
@@ -128,6 +130,12 @@ def test_the_table_of_a_machine_keeps_the_torque_of_its_motor():
     assert held.usage().rows["torque A"] > 0.99 and "torque A" in held.active().names
     found = verify(held, machine)
     assert found.ok and {"force of X", "torque of A"} <= {check.name for check in found.checks}
+    said = usage_record(held).motor
+    assert set(said) == set("XYZAC")
+    for wrong, names in (({}, ""), ({"A": 0.98}, "A"), ({"X": 0.5}, "X"), ({"B": 0.1}, "")):
+        figures = UsageFigures({"usage": {"motor": said | wrong}}, held.sample(1e-3), machine, None, None, 1e-3)
+        found = figures.of_motors()
+        assert [check.joint for check in found] == ([names] if wrong else []) and not any(each.ok for each in found)
     weaker = heavy_machine(A=BODIES["A"].replace("torque = 60", "torque = 59"))
     assert [check.name for check in verify(held, weaker).findings] == ["torque of A"]
     heavier = machine.with_workpiece(20.0, (0.04, 0.0, 0.11))

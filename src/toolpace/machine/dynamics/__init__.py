@@ -33,6 +33,8 @@ from toolpace.machine.plausibility import check_inertia
 if TYPE_CHECKING:
     from toolpace.kernels.kinematics.torques import Bodies
 
+STILL = 1e-9
+"""Share of the fastest joint's motion up to which another stands."""
 Vector = tuple[float, float, float]
 
 
@@ -171,7 +173,10 @@ class Dynamics(ByValue):
         )
         first, second = q[1], q[2]
         slope, square = out[0] + rotor * first, out[1] + rotor * second
-        return TorqueTerms(slope / 2.0, square, viscous * first, out[2] + dry * np.sign(first) - balance)
+        # what a joint that stands moves by rounding has no direction
+        stands = np.abs(first) <= STILL * np.abs(first).max(axis=1, initial=0.0)[:, None]
+        rubs = dry * np.where(stands, 0.0, np.sign(first))
+        return TorqueTerms(slope / 2.0, square, viscous * first, out[2] + rubs - balance)
 
     def _as_bodies(self) -> Bodies:
         """The bodies as the kernel takes them."""

@@ -220,7 +220,8 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
             cells.append("<td><small>no limit</small></td>")
         rows.append(f'<tr><th><i style="background:{joint_colour(j)}"></i>{escape(joint)}</th>{"".join(cells)}</tr>')
     feed = f'<p class="feed">Feed: <b>{percent(usage.feed)}</b> of what the program allows, at its peak.</p>'
-    return f'<table class="usage"><thead><tr><th></th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>{feed}'
+    kind = "usage wide" if motors else "usage"
+    return f'<table class="{kind}"><thead><tr><th></th>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>{feed}'
 
 
 def _used(joint: int, share: float, text: str) -> str:
