@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from toolpace.programs.reading.controllers.tool_rules import ToolRule
     from toolpace.programs.reading.coordinates.setup import SetUp, Tool
     from toolpace.programs.speed_profile import SpeedProfile
+    from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
     from toolpace.programs.stock_figures import Solid, StockFigures, WorkpieceFigures
     from toolpace.programs.tolerances import Tolerances
     from toolpace.programs.tool_figures import Frustum, ToolFigures
@@ -171,8 +172,10 @@ __all__ = [
     "Sign",
     "Skipped",
     "Solid",
+    "SpeedCurve",
     "SpeedProfile",
     "SpeedWeights",
+    "SpindleFigures",
     "Stations",
     "Status",
     "Stock",
@@ -300,8 +303,10 @@ _HOME = {
     "Sign": "programs.reading.controllers.controller",
     "Skipped": "motion.trajectory",
     "Solid": "programs.stock_figures",
+    "SpeedCurve": "programs.spindle_figures",
     "SpeedProfile": "programs.speed_profile",
     "SpeedWeights": "path.fit.speed_weights",
+    "SpindleFigures": "programs.spindle_figures",
     "Stations": "cutting.engagement.stations",
     "Status": "deflection.following",
     "Stock": "cutting.simulation.stock_range",
