@@ -21,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:project. deflection= is called t
 RESULTS = (
     "ActiveLimits", "BendingCompensation", "CutLoads", "EngagementTable", "Geometry", "LeftRegion", "Motion", "PathJet",
     "PlaceMap", "PlannedSetUp", "Probe", "ProgramTime", "SetPoint", "Stations", "ToolProfile",
-    "deflection.Projection", "PathRun",
+    "deflection.Projection", "PathRun", "TorqueTerms",
 )  # fmt: skip
 """What functions return: nothing public takes one, and nobody need make one."""
 SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
@@ -29,7 +29,8 @@ SHARES = ("Choices.from_shares", "Choices.shares_of", "Choices.box")
 BETWEEN_ROOMS = (
     "Trajectory.put_motion", "SetPoints.at", "SetPoints.times", "Stations.where", "ToolProfile.surface",
     "Rows.ratio", "Rows.shares", "Rows.steady", "SpeedProfile.at", "SpeedProfile.limit_at", "SpeedProfile.along",
-    "AxisRun.cap_names",
+    "AxisRun.cap_names", "CurvedLimit.at", "Dynamics.along", "EngagementTable.at", "LimitCurve.at", "Rows.limits_at",
+    "Rows.line_ratios", "Rows.line_shares", "Rows.most_z", "Rows.values",
 )  # fmt: skip
 """Planner, sampling, judge and the simulation of a cut call them with arrays that they have made."""
 LIVE = ("Measurement", "Measurement.write")

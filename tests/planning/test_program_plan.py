@@ -16,7 +16,7 @@ from toolpace.planning import program_plan
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.optimal import planner as optimal_planner
 from toolpace.planning.optimal.planner import Optimal
-from toolpace.planning.path_and_pace import alternating
+from toolpace.planning.path_and_pace import alternating, candidate_evaluation
 from toolpace.planning.path_and_pace.candidate_evaluation import USUAL_LOSS, crawls
 from toolpace.planning.program_plan import fit_program, plan_fitted, plan_program
 from toolpace.programs.tolerances import Tolerances
@@ -294,8 +294,8 @@ def as_it_was(meshed, law, workers):
 
 @pytest.mark.sweep
 def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
-    """Of a drill that crawls at the nodes; what is taken is what planning its path gives."""
-    monkeypatch.setattr(optimal_planner, "without_falls", as_it_was)
+    """Of a drill whose motion at the nodes counts as one that crawls; what is taken is what planning its path gives."""
+    monkeypatch.setattr(candidate_evaluation, "crawls", lambda law: True)
     cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
     fitted = fit_program(tp.read_text(cut, machine), machine, TIP, AXIS)
     known = next(each for each in fitted.candidates if set(each.joints.runs) <= set(each.whole))

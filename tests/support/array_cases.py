@@ -119,6 +119,11 @@ CASES: dict[str, Case] = {
     "Limits: velocity": Case(lambda x: tp.Limits(x, 1.0, 1.0), LINES, "velocity", True),
     "Limits: acceleration": Case(lambda x: tp.Limits(1.0, x, 1.0), LINES, "acceleration", True),
     "Limits: jerk": Case(lambda x: tp.Limits(1.0, 1.0, x), LINES, "jerk", True),
+    "LimitCurve: corners": Case(tp.LimitCurve, np.stack([LINES - 1.0, 7.0 - LINES], axis=1), "limit over speed"),
+    "torque_rows: most": Case(
+        lambda x: [row.limit for row in tp.torque_rows(lambda q, qd, qdd: qdd, x, list("ABCDEF"))], LINES,
+        "torques", True,
+    ),
     "SpeedProfile: place": Case(lambda x: tp.SpeedProfile(x, LINES, LINES % 2, ("a", "b")), f32(LINES), "place"),
     "SpeedProfile: speed": Case(lambda x: tp.SpeedProfile(LINES, x, LINES % 2, ("a", "b")), f32(LINES), "speed", True),
     "SpeedProfile: limit": Case(lambda x: tp.SpeedProfile(LINES, LINES, x, ("a", "b")), LINES % 2, "limit"),

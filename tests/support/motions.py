@@ -4,7 +4,7 @@ form."""
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -262,6 +262,7 @@ class Usage:
     velocity: dict[str, float]
     acceleration: dict[str, float]
     jerk: dict[str, float]
+    rows: dict[str, float] = field(default_factory=dict)
 
     @property
     def worst(self):

@@ -151,6 +151,7 @@ def test_a_cylinder_of_klartext(block, cylinder):
 def test_other_blanks_of_klartext_are_passed_over_and_said(block):
     path = read_text(KLARTEXT.replace("BLK FORM 0.1 Z X+0 Y-10 Z-40", block))
     assert path.workpiece == WorkpieceFigures() and any("this BLK FORM is not read" in each for each in path.assumed)
+    assert path.skipped["BLK"] and "BLK" not in read_text(KLARTEXT).skipped
     assert np.array_equal(path.tip, read_text(KLARTEXT).tip)
 
 
@@ -168,7 +169,7 @@ SINUMERIK = "N10 G17 G90\n{}\nG54\nT=\"A\"\nM6\nS3000 M3\nG0 X0 Y0 Z5\nG1 Z-1 F2
 )
 def test_the_box_of_sinumerik(block, box):
     path = read_text(SINUMERIK.format(block), controller="sinumerik")
-    assert np.allclose(1e3 * np.array(path.workpiece.stock.solid.box), box)
+    assert np.allclose(1e3 * np.array(path.workpiece.stock.solid.box), box) and "WORKPIECE" not in path.skipped
     assert path.spindle * 60 == pytest.approx([3000.0, 3000.0, -3000.0])
     sheet = setup_of_text("[offsets.G54]\nX = 10\n")
     assert read_text(SINUMERIK.format(block), controller="sinumerik", setup=sheet).workpiece.stock.solid.frame == "G54"
@@ -183,6 +184,7 @@ def test_other_blanks_of_sinumerik():
     ):  # fmt: skip
         path = read_text(SINUMERIK.format(f"WORKPIECE({arguments})"), controller="sinumerik")
         assert path.workpiece == WorkpieceFigures() and any("WORKPIECE of this form" in each for each in path.assumed)
+        assert path.skipped["WORKPIECE"] == 1
     assert read_text(SINUMERIK.format("WORKPIECE()"), controller="sinumerik").workpiece == WorkpieceFigures()
 
 

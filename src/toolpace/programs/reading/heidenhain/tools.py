@@ -106,7 +106,6 @@ class Tools:
         found = _BLANK.fullmatch(text)
 
         def run() -> None:
-            findings.ignored("BLK")
             solid = None
             try:
                 if found and found[1]:
@@ -114,14 +113,18 @@ class Tools:
                 elif found and found[2]:
                     solid = self.cylinder(found[3])
                 else:
-                    findings.assumed(BLANK_NOT_READ)
+                    self._pass_over_blank()
             except (UsageError, BlockError, UnsetError):
                 # what is only drawn stops no control
-                findings.assumed(BLANK_NOT_READ)
+                self._pass_over_blank()
             if solid is not None:
                 findings.workpiece = WorkpieceFigures(StockFigures(solid))
 
         return run
+
+    def _pass_over_blank(self) -> None:
+        self.control.findings.ignored("BLK")
+        self.control.findings.assumed(BLANK_NOT_READ)
 
     def corner(self, is_least: bool, text: str) -> Solid | None:
         """BLK FORM 0.1 and 0.2: the least and the most corner; the second makes the box of them."""
@@ -130,7 +133,7 @@ class Tools:
         if is_least:
             self.least = None
         if len(words) < 3 or _CORNER.sub("", text).strip() or (not is_least and least is None):
-            self.control.findings.assumed(BLANK_NOT_READ)
+            self._pass_over_blank()
             return None
         values = [evaluate(signed(words[letter][1], self.parameters)) * self.state.unit for letter in "XYZ"]
         if is_least:
@@ -151,7 +154,7 @@ class Tools:
         hollow = values.get("RI", 0.0) or values.get("DI", 0.0)
         diameter = values.get("D", 2.0 * values.get("R", 0.0))
         if not axis or hollow or _CYLINDER.sub("", text).strip() or not (diameter > 0.0 and values.get("L", 0.0) > 0.0):
-            self.control.findings.assumed(BLANK_NOT_READ)
+            self._pass_over_blank()
             return None
         self.control.findings.assumed(CYLINDER_TOP)
         top = values.get("DIST", 0.0)

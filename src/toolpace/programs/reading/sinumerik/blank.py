@@ -23,7 +23,9 @@ def take_blank(values: list[Value | None], control: Control, unit: float) -> Non
     Operate writes them: ZA is the upper end, ZI the lower one; ZB, from where on the blank may be cut, is not needed.
     unit: of the figures [m].
     """
+    findings = control.findings
     if len(values) <= KIND or values[KIND] is None:
+        findings.ignored("WORKPIECE")
         return
     figures = [0.0 if value is None else value for value in values[MASK:]]
     try:
@@ -31,11 +33,12 @@ def take_blank(values: list[Value | None], control: Control, unit: float) -> Non
         if shape is not None:
             source = f"{control.source.name}:{control.line}: WORKPIECE"
             solid = Solid(**shape, frame=control.frame_of_stock(), source=source)
-            control.findings.workpiece = WorkpieceFigures(StockFigures(solid))
+            findings.workpiece = WorkpieceFigures(StockFigures(solid))
             return
     except (UsageError, TypeError, ValueError, OverflowError):
         pass
-    control.findings.assumed(NOT_READ)
+    findings.ignored("WORKPIECE")
+    findings.assumed(NOT_READ)
 
 
 def _shape(kind: str, figures: list[float], unit: float) -> dict[str, Any] | None:

@@ -240,10 +240,10 @@ class Executor:
         meaning = self.vocabulary.meaning(call.name)
         if call.name not in self.commands.known and meaning in self.meanings:
             self.meanings[meaning](Now(words))
+        elif meaning == "ignored" and call.name == "WORKPIECE":
+            take_blank(arguments, self.control, self.state.unit)
         elif meaning == "ignored":
             self.findings.ignored(call.name)
-            if call.name == "WORKPIECE":
-                take_blank(arguments, self.control, self.state.unit)
         elif not self.perform(call, arguments):
             self._subprogram(call, arguments)
 
