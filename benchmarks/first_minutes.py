@@ -36,7 +36,7 @@ COMMAND = [sys.executable, "-m", "toolpace"]
 FOUR = "G21 G90 G54\nG43.4 H1\nG1 X10 Y0 Z10 A0 C0 F1000\nX20 Y5\nX30 Y5 A5\nX40 Y0\nM30\n"
 LONG_BLOCKS, LONG_FEED = 60_000, 400
 """Blocks of 0.3 mm and feed [mm/min] of the long program: about 47 minutes."""
-STEPS = ("reading", "fitting", "planning", "sampling", "verifying", "writing")
+STEPS = ("reading", "fitting", "planning", "bounding", "sampling", "verifying", "writing")
 PATHS, HARMONICS, CELLS = 12, 10, 1000
 """Random paths on which what the limits between nodes cost is measured."""
 
@@ -170,7 +170,7 @@ def main() -> None:
         tables += [commands(Path(folder), options.repeats), programs(Path(folder), options.repeats, options.program)]
     for table in tables:
         table.show()
-    written = written_by("python -m benchmarks.first_minutes")
+    written = written_by(f"python -m benchmarks.first_minutes --repeats {options.repeats}")
     head = f"# The first minutes\n\n{written} Load of the machine at the end: {os.getloadavg()[0]:.1f}.\n\n"
     options.out.write_text(head + "\n".join(table.markdown() for table in tables))
 
