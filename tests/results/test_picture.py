@@ -10,7 +10,7 @@ import pytest
 
 import toolpace as tp
 from toolpace.cli import main
-from toolpace.cli.commands.picture import write_video
+from toolpace.cli.commands.picture import Film, write_video
 from toolpace.machine.machine import Machine
 from toolpace.results.picture import draw
 from toolpace.results.picture.draw import VIEWS, ShownPlan, picture
@@ -157,7 +157,7 @@ def test_files_are_what_was_asked_for(planned, tmp_path, capsys):
 def test_a_video_shows_the_moments_that_were_asked_for(planned, tmp_path, monkeypatch, capsys):
     av = pytest.importorskip("av")
     file, duration, told = tmp_path / "x.mp4", planned.shown.duration, []
-    assert write_video(file, planned.shown, (0.0, duration), 0.2, "iso", (96, 72), told.append) == 5
+    assert write_video(file, Film(planned.shown, (0.0, duration), 0.2, "iso", (96, 72)), told.append) == 5
     assert told == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
     with av.open(str(file)) as video:
         frames = [each.to_ndarray(format="rgb24") for each in video.decode(video=0)]

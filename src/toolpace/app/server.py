@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from toolpace.app.guard import Guard
-from toolpace.app.project import UPLOAD, Reading, Request, checked_name
+from toolpace.app.project import UPLOAD, checked_name
+from toolpace.app.records import Reading, Request
 from toolpace.app.service import NotFoundError, Service
 from toolpace.common.cluster.pool import error_in_words
 from toolpace.common.errors import ToolpaceError, UsageError

@@ -12,22 +12,17 @@ import msgspec
 
 from toolpace.app.project import (
     COMPARISONS,
-    CUT_FEEDS,
     FEEDS_PAGE,
     MACHINES,
     PLANS,
     SHEET,
-    AppJob,
-    Part,
     Project,
-    Reading,
-    Request,
     checked_name,
-    command_of,
     new_id,
     now,
     role_of,
 )
+from toolpace.app.records import CUT_FEEDS, AppJob, Part, Reading, Request, command_of
 from toolpace.app.work import CompareTask, InspectTask, JobTask, SheetTask
 from toolpace.app.worker import Line, Worker
 from toolpace.common import __version__

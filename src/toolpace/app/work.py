@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from toolpace.app.project import COMPARISONS, CUT_FEEDS, FEEDS_PAGE, AppJob, Part, Project, cut_rules
+from toolpace.app.project import COMPARISONS, FEEDS_PAGE, Project
+from toolpace.app.records import CUT_FEEDS, AppJob, Part, cut_rules
 from toolpace.common.errors import ProgramError, ToolpaceError, printable
 from toolpace.common.files import whole_file, write_text
 from toolpace.common.files.toml import toml_value
@@ -132,11 +133,10 @@ def inspect_part(project: Project, part: Part) -> dict[str, Any]:
     from toolpace.jobs.inspection import inspection_record
 
     found, _, setup = _inspected(project, part)
-    refused = [each for each in found.refused if not (part.reading.lenient and each.certain)]
-    record = inspection_record(dataclasses.replace(found, refused=tuple(refused)))
+    record = inspection_record(found)
     # Where the reading ends though unread words are skipped, there is no tip, and skipping them is no cure.
     skips = found.tip is not None and not part.reading.skip_unknown
-    record["cures"] = cures(refused, found.needs, skips)
+    record["cures"] = cures(found.refused, found.needs, skips)
     record["cut_lacks"] = cut_lacks(found, setup)
     told: dict[str, Any] = msgspec.to_builtins(record)
     return told

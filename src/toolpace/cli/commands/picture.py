@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from cyclopts import Parameter
 
@@ -93,10 +94,9 @@ def picture_command(
             write_picture(target, shown, moment(at, shown.duration, "--at"), view, pixels)
     else:
         span = moment(begin, shown.duration, "--begin"), moment(finish, shown.duration, "--finish")
-        long = length(seconds)
+        film = Film(shown, span, length(seconds), view, pixels)
         with steps.step("drawing") as step:
-            write = write_video if is_video else write_animation
-            step.note = f"{write(target, shown, span, long, view, pixels, step)} pictures"
+            step.note = f"{(write_video if is_video else write_animation)(target, film, step)} pictures"
     console.print(f"written   {printable(str(target))}", soft_wrap=True)
     return 0
 
@@ -179,31 +179,40 @@ def write_picture(target: Path, shown: ShownPlan, t: float, view: str, pixels: t
         library().fromarray(picture(shown, t, view, pixels)).save(temporary, format="PNG", optimize=True)
 
 
-def write_animation(
-    target: Path,
-    shown: ShownPlan,
-    span: tuple[float, float],
-    seconds: float,
-    view: str,
-    pixels: tuple[int, int],
-    progress: Any,
-) -> int:
-    """Write an animation of a stretch of time [s], whole or not at all; return how many pictures it has."""
-    from toolpace.common.files import whole_file
-    from toolpace.results.picture.draw import picture
+class Film(NamedTuple):
+    """A stretch of time of a plan, and how it is drawn."""
 
-    image = library()
-    count = max(math.ceil(seconds * FRAMES_PER_SECOND), 2)
-    frames = []
-    for k in range(count):
-        t = span[0] + (span[1] - span[0]) * k / (count - 1)
-        frames.append(image.fromarray(picture(shown, t, view, pixels)))
-        progress((k + 1) / count)
+    shown: ShownPlan
+    span: tuple[float, float]
+    """Its begin and end [s]."""
+    seconds: float
+    """How long it plays [s]."""
+    view: str
+    pixels: tuple[int, int]
+
+    def pictures(self, frames_per_second: int, progress: Any) -> Iterator[Any]:
+        """Its pictures (height, width, 3), evenly spread over the time, one after the other."""
+        from toolpace.results.picture.draw import picture
+
+        count = max(math.ceil(self.seconds * frames_per_second), 2)
+        begin, end = self.span
+        for k in range(count):
+            yield picture(self.shown, begin + (end - begin) * k / (count - 1), self.view, self.pixels)
+            progress((k + 1) / count)
+
+
+def write_animation(target: Path, film: Film, progress: Any) -> int:
+    """Write a film as GIF, whole or not at all; return how many pictures it has."""
+    from toolpace.common.files import whole_file
+
+    image, (width, height) = library(), film.pixels
+    frames = [image.fromarray(each) for each in film.pictures(FRAMES_PER_SECOND, progress)]
+    count = len(frames)
     # one palette for all: what does not change is then the same in all of them, and takes no room; small things such as
     # the tool keep their colours
-    sheet = image.new("RGB", (pixels[0], pixels[1] * SAMPLES))
+    sheet = image.new("RGB", (width, height * SAMPLES))
     for k in range(SAMPLES):
-        sheet.paste(frames[(count - 1) * k // (SAMPLES - 1)], (0, pixels[1] * k))
+        sheet.paste(frames[(count - 1) * k // (SAMPLES - 1)], (0, height * k))
     palette = sheet.quantize(COLOURS, method=image.Quantize.MAXCOVERAGE)
     drawn = [each.quantize(palette=palette, dither=image.Dither.NONE) for each in frames]
     # the last is looked at for a while
@@ -215,28 +224,17 @@ def write_animation(
     return count
 
 
-def write_video(
-    target: Path,
-    shown: ShownPlan,
-    span: tuple[float, float],
-    seconds: float,
-    view: str,
-    pixels: tuple[int, int],
-    progress: Any,
-) -> int:
-    """Write a video (H.264) of a stretch of time [s], whole or not at all; return how many pictures it has."""
+def write_video(target: Path, film: Film, progress: Any) -> int:
+    """Write a film as MP4 (H.264), whole or not at all; return how many pictures it has."""
     from toolpace.common.files import whole_file
-    from toolpace.results.picture.draw import picture
 
-    av = video_library()
-    count = max(math.ceil(seconds * VIDEO_FRAMES_PER_SECOND), 2)
+    av, count = video_library(), 0
     with whole_file(target) as temporary, av.open(str(temporary), "w", format="mp4") as video:
         stream = video.add_stream("libx264", rate=VIDEO_FRAMES_PER_SECOND, options={"crf": QUALITY})
         # what every player shows
-        stream.width, stream.height, stream.pix_fmt = *pixels, "yuv420p"
-        for k in range(count):
-            t = span[0] + (span[1] - span[0]) * k / (count - 1)
-            video.mux(stream.encode(av.VideoFrame.from_ndarray(picture(shown, t, view, pixels), format="rgb24")))
-            progress((k + 1) / count)
+        stream.width, stream.height, stream.pix_fmt = *film.pixels, "yuv420p"
+        for each in film.pictures(VIDEO_FRAMES_PER_SECOND, progress):
+            video.mux(stream.encode(av.VideoFrame.from_ndarray(each, format="rgb24")))
+            count += 1
         video.mux(stream.encode())
     return count

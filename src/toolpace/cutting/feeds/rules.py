@@ -73,7 +73,7 @@ class FeedRules:
         found = CutLimits(**{name: usual[name] if value is None else value for name, value in own.items()})
         forces = [name for name in found.names if name not in WITHOUT_MATERIAL]
         if forces and self.material_of(tool) is None:
-            raise UsageError(f"limit of the cut: {forces[0]} is of a force; give a --material, as Al7075-T6")
+            raise UsageError(f"limit of the cut: {forces[0]} needs a force model: give --material, as Al7075-T6")
         return found if math.isnan(turns) or self.material_of(tool) is None else self.within_spindle(found, turns)
 
     def within_spindle(self, limits: CutLimits, turns: float) -> CutLimits:

@@ -117,7 +117,6 @@ class Problem(OnMesh):
         z = (self.basis[:, 0] * c[self.first[:, None] + np.arange(4)]).sum(axis=1)
         return float((self.weight / np.sqrt(z)).sum())
 
-
     def lowered(self, by: Floats, between: Floats) -> Problem:
         """With limits divided by factors of speed, acceleration and jerk: (nodes, 3) at nodes, (k, 3) at places between
         them."""
