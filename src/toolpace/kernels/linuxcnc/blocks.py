@@ -46,8 +46,8 @@ OF_ENDING, OF_TOLERANCE, OF_WAIT, OF_JERK = range(9, 13)
 sweep of an arc; OVERLAPPED, EXACT or REST, by the mode in force; tolerance of blending [mm], 0: none; how long it waits
 at rest behind the block [s], below zero: it goes on; jerk along it."""
 BEGIN, END, CORNER, CENTRE, NORMAL, RISE = range(6)
-"""Vectors of blocks: unit directions of X, Y, Z at start and end, +X where they turn in place; place of the start [mm]; of an
-arc its centre, the normal about which it turns, and its rise."""
+"""Vectors of blocks: unit directions of X, Y, Z at start and end, +X where they turn in place; place of the start [mm];
+of an arc its centre, the normal about which it turns, and its rise."""
 Vector = tuple[float, float, float]
 ORIGIN = (0.0, 0.0, 0.0)
 MOST = 101
