@@ -24,6 +24,7 @@ from toolpace.judge.cut import (
     cut_checks,
     learned_check,
     limit_checks,
+    reached_checks,
     speed_check,
     stocks,
 )
@@ -313,7 +314,8 @@ COLUMNS = {
 def slot_judge():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
-    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, 1e-3)
+    cell = plan.simulation.resolution
+    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, cell)
     return CutJudge(points, SLOT.toolpath(), promise), file
 
 
@@ -385,6 +387,11 @@ def test_what_is_learned_is_within_a_teacher():
     chip, area, edge = np.array(promise.teachers["1"]).max(axis=0)
     judge.promise = dataclasses.replace(promise, teachers={"1": [(0.9 * chip, area, edge)]})
     assert not learned_check(judge, in_shoulder).ok
+    file = cut_arrays(data)
+    for times, ok in ((1.0, True), (1.05, False)):
+        judge.promise = dataclasses.replace(promise, teachers={"1": [(times * chip, times * area, edge)]})
+        (check,) = reached_checks(judge, file)
+        assert check.ok is ok, check
 
 
 def test_angles_may_be_told_about_another_direction_of_the_feed():

@@ -16,11 +16,11 @@ from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.forces.material import Material
 from toolpace.judge.cut import CutJudge, allowed_check, limit_checks, reached_checks, speed_check
-from toolpace.judge.cut.stations import columns_check, passed_again, passed_stations
+from toolpace.judge.cut.stations import columns_check, covered_check, passed_again, passed_stations
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
-from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record
+from toolpace.results.write.cut_limits import checked, cut_arrays, cut_bytes, cut_record
 from toolpace.results.write.cut_promise import NOTHING_STATED, StatedPromise, judged_cut, promise_of, told_checks
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
@@ -68,6 +68,28 @@ def test_a_limit_that_was_raised_or_taken_out_is_not_reached(changes, words):
     """Whoever writes the seal anew still has the speeds of the plan."""
     (check,) = reached_checks(judge_of(changed(**changes)), planned()[1])
     assert not check.ok and words in str(check)
+
+
+@pytest.mark.parametrize("part", [slice(0, 0), slice(0, 30), slice(0, None, 2)])
+def test_stations_that_were_taken_out_are_found(part):
+    file = dict(planned()[1])
+    assert covered_check(judge_of(planned()[2]), file).ok
+    arcs = np.split(np.arange(len(file["engagement entry"])), np.cumsum(file["engagement arcs"])[:-1])
+    kept = np.concatenate([np.zeros(0, dtype=np.int64), *arcs[part]])
+    for name in ("slice", "entry", "exit"):
+        file[f"engagement {name}"] = file[f"engagement {name}"][kept]
+    for name in [each for each in file if each.startswith(("station ", "engagement "))]:
+        if name not in ("engagement slice", "engagement entry", "engagement exit"):
+            file[name] = file[name][part]
+    points, _, record = planned()
+    found = findings(judged_cut(record, checked(file), points, SLOT.toolpath(), SETUP, machine()))
+    assert found and all("stations" in each for each in found)
+
+
+@pytest.mark.parametrize("times", [0.8, 1.3])
+def test_another_size_of_the_cells_is_found(times):
+    judge = judge_of(planned()[2], resolution=times * 1e-3 * planned()[2].resolution_mm)
+    assert not covered_check(judge, planned()[1]).ok
 
 
 def test_a_limit_that_was_lowered_is_not_held():
