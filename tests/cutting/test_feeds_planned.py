@@ -236,6 +236,7 @@ def learned(text, rules):
     return plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
 
 
+@pytest.mark.sweep
 def test_teachers_are_listed_left_out_and_taken_from_another_program(tmp_path):
     plan = learned(SHALLOW, FINISHING)
     assert {each.line for each in plan.teachers} == {8} and plan.teachers[0].seconds > 1.0

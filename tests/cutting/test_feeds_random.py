@@ -110,7 +110,7 @@ def test_no_place_is_loaded_more_in_many_programs(seed, scene):
     check(seed, scene, "learned")
 
 
-@pytest.mark.parametrize("way", ["air", "learned", "limits"])
+@pytest.mark.parametrize("way", ["learned", *(pytest.param(way, marks=pytest.mark.sweep) for way in ("air", "limits"))])
 def test_on_a_guessed_stock_no_feed_changes(way):
     machine = tp.Machine.load("xyzac-trunnion")
     setup = setup_of_text(SHEET[SHEET.index("[tools") :])
