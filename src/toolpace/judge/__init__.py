@@ -203,7 +203,7 @@ class MotionJudge:
         limits = machine if isinstance(machine, Limits) else machine.limits
         self.limits, self.over_speed = limits.largest, limits.constants
         torques = None if self.machine is None else JointTorques(self.machine.file)
-        self._torques = torques if torques is not None and np.isfinite(torques.limits).any() else None
+        self._torques = torques if torques is not None and torques.held.any() else None
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
@@ -294,7 +294,7 @@ class MotionJudge:
         checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
         if self._torques is not None:
             largest = Largest.of_all([each for each in torques if each is not None])
-            checks += torque_checks(seen, largest, self._torques.limits, units)
+            checks += torque_checks(seen, largest, self._torques, units)
         judged = ProgramJudgement([], math.nan, math.nan)
         if machine is not None:
             checks += self._names(machine) + tool_checks(seen, machine)

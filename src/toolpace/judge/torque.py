@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Bools, Floats
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.seen_motion import Largest, SeenMotion
 from toolpace.judge.verification import Check
@@ -31,14 +31,28 @@ class JointTorques:
     file: MachineFile
 
     @property
-    def limits(self) -> Floats:
-        """(m,) the largest of each [N m, N]; inf where none is held."""
-        return np.array([joint.most_torque for joint in self.file.joints.values()])
+    def held(self) -> Bools:
+        """(m,) whether the motor of a joint has a limit."""
+        return np.array([joint.motor is not None for joint in self.file.joints.values()])
+
+    def limits(self, qd: Floats) -> Floats:
+        """(n, m) the largest of each [N m, N] at velocities (n, m), straight between the corners of a motor's curve;
+        inf where none is held."""
+        out = np.full(qd.shape, np.inf)
+        for k, joint in enumerate(self.file.joints.values()):
+            if joint.motor is not None:
+                out[:, k] = np.interp(np.abs(qd[:, k]), joint.motor.speed, joint.motor.limit)
+        return out
+
+    def shares(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        """(n, m) torques over their limits, without sign, of positions, velocities and accelerations (n, m)."""
+        shares: Floats = np.abs(self.at(q, qd, qdd)) / self.limits(qd)
+        return shares
 
     def largest(self, block: Block, begin: int, end: int) -> Largest:
-        """The largest of each joint, without sign, in the rows from `begin` to `end` of a block."""
+        """The largest share of each joint's limit in the rows from `begin` to `end` of a block."""
         q, qd, qdd = (block.columns(name, begin, end).T for name in ("q", "qd", "qdd"))
-        return Largest.of(np.abs(self.at(q, qd, qdd).T), begin)
+        return Largest.of(self.shares(q, qd, qdd).T, begin)
 
     def at(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """(n, m) of positions, velocities and accelerations (n, m) [m or rad, s]."""
@@ -88,12 +102,14 @@ class JointTorques:
         return out
 
 
-def torque_checks(seen: SeenMotion, largest: Largest, limits: Floats, units: Sequence[str]) -> list[Check]:
-    """Each joint's torque or force against its limit, where there is one."""
+def torque_checks(seen: SeenMotion, largest: Largest, torques: JointTorques, units: Sequence[str]) -> list[Check]:
+    """Each joint's torque or force against its limit at the speed there, where most of it is taken."""
     checks = []
-    for j in np.flatnonzero(np.isfinite(limits)).tolist():
-        value, limit = float(largest.value[j]), float(limits[j])
-        time, block = seen.place(int(largest.row[j]))
+    for j in np.flatnonzero(torques.held).tolist():
+        row = int(largest.row[j])
+        time, block = seen.place(row)
+        limit = float(torques.limits(seen.source.rows(row, row + 1).qd)[0, j])
+        value = float(largest.value[j]) * limit
         what, unit = ("force", "N") if units[j] == "m" else ("torque", "N m")
         ok = value <= limit * (1.0 + TOLERANCE)
         checks.append(Check(what, value, limit, unit, ok, time, block, seen.joints[j]))

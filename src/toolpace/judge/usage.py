@@ -98,8 +98,7 @@ class UsageFigures:
         """The use of torques and forces: not below that of the set-points, nor above it by more than its largest step
         between two of them."""
         said, torques, names = self.said["usage"].get("motor", {}), JointTorques(self.machine.file), self.machine.joints
-        limits = torques.limits
-        if set(said) != {name for name, limit in zip(names, limits) if math.isfinite(limit)}:
+        if set(said) != {name for name, held in zip(names, torques.held) if held}:
             return [wrong("usage motor", f"names {', '.join(said)}: not the joints whose motors have limits")]
         checks = []
         shares = self.motor_shares() if said else np.zeros((1, 0))
@@ -114,9 +113,7 @@ class UsageFigures:
     def motor_shares(self) -> Floats:
         """(n, k) torques and forces at the set-points over their limits, of the joints that have one."""
         torques, points = JointTorques(self.machine.file), self.points
-        held = np.isfinite(torques.limits)
-        shares: Floats = np.abs(torques.at(points.q, points.qd, points.qdd)[:, held]) / torques.limits[held]
-        return shares
+        return torques.shares(points.q, points.qd, points.qdd)[:, torques.held]
 
     @property
     def motors(self) -> list[str]:
@@ -125,7 +122,7 @@ class UsageFigures:
         return [
             f"{'force' if joint.kind == 'linear' else 'torque'} {name}"
             for name, joint in joints
-            if math.isfinite(joint.most_torque)
+            if joint.motor is not None
         ]
 
     def curve_shares(self) -> dict[str, Floats]:

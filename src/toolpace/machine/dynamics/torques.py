@@ -6,6 +6,8 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +16,7 @@ from toolpace.common.arrays import Floats, numbers
 from toolpace.common.errors import MachineError, UsageError
 from toolpace.machine.dynamics import Dynamics, TorqueTerms
 from toolpace.machine.file import MachineFile
+from toolpace.machine.limit_curves import LimitCurve
 from toolpace.machine.limits import MOTORS
 from toolpace.machine.rows import Rows
 
@@ -28,11 +31,14 @@ class JointTorque(Rows):
     """The limit on the torque or force of one joint, as a row of acceleration: weight and friction are taken off it."""
 
     terms: _JointTerms | None = None
+    curve: LimitCurve | None = None
+    """The limit over the speed of the joint [m/s or rad/s; N m, N]."""
 
     @classmethod
-    def of(cls, terms: _JointTerms, name: str, unit: str, limit: float) -> JointTorque:
+    def of(cls, terms: _JointTerms, name: str, unit: str, curve: LimitCurve) -> JointTorque:
         """That of a joint of dynamics that are shared by all joints [N m, N]."""
-        return cls(name, unit, limit, terms, lines=_Room(terms, limit), terms=terms)
+        room = _Room(terms, curve)
+        return cls(name, unit, curve.largest, terms, lines=room, pieces=len(room.of_motor), terms=terms, curve=curve)
 
     def ratio(self, q: Floats, state: Floats) -> Floats:
         """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
@@ -40,10 +46,11 @@ class JointTorque(Rows):
         Above 1 it is how much more the motion asks for than weight and friction leave, where that is more: by so much
         it must be slower.
         """
-        assert self.terms is not None
+        assert self.terms is not None and self.curve is not None
         slope, square, linear, constant = self.terms.at(q)
         _, v, a, _ = state
-        share: Floats = np.abs(slope * 2.0 * a + square * v * v + linear * v + constant) / self.limit
+        share: Floats = np.abs(slope * 2.0 * a + square * v * v + linear * v + constant)
+        share /= self.curve.at(q[1, :, self.terms.joint] * v)
         over = share > 1.0
         if over.any():
             share[over] = np.maximum(share[over], super().ratio(np.ascontiguousarray(q[:, over]), state[:, over]))
@@ -51,15 +58,21 @@ class JointTorque(Rows):
 
 
 def torque_rows(
-    dynamics: Dynamics | Torque, most: npt.ArrayLike, joints: Sequence[str], linear: Sequence[bool] | None = None
+    dynamics: Dynamics | Torque,
+    most: npt.ArrayLike | Sequence[float | LimitCurve],
+    joints: Sequence[str],
+    linear: Sequence[bool] | None = None,
 ) -> tuple[Rows, ...]:
     """Limits on the torques of joints, as `plan(..., rows=...)` takes them, by the names "torque A" and "force X".
 
     `dynamics` is a `Dynamics`, or a function of one's own: torques (n, m) [N m, N] at positions, velocities and
     accelerations (n, m) of the joints, quadratic in the velocities but for dry and viscous friction. `most` (m,) is the
-    largest torque of each, without sign, inf where none is held; `linear` (m,) says which joints have a force (default:
-    as the links of `dynamics` are). Raises UsageError.
+    largest torque of each, without sign, inf where none is held, or a `LimitCurve` over the speed of the joint [rad/s,
+    m/s]; `linear` (m,) says which joints have a force (default: as the links of `dynamics` are). Raises UsageError.
     """
+    curves = {k: each for k, each in enumerate(_each(most, len(joints))) if isinstance(each, LimitCurve)}
+    if curves:
+        most = [each.largest if isinstance(each, LimitCurve) else each for each in _each(most, len(joints))]
     limit = np.broadcast_to(numbers(most, "torques: most", (len(joints),), (), finite=False), len(joints))
     if linear is None:
         linear = [each.kind == "linear" for each in getattr(dynamics, "links", ())] or [False] * len(joints)
@@ -72,14 +85,20 @@ def torque_rows(
     rows = []
     for k in np.flatnonzero(np.isfinite(limit)).tolist():
         kind, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
-        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, float(limit[k])))
+        curve = curves.get(k) or LimitCurve([[0.0, limit[k]]])
+        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, curve))
     return tuple(rows)
+
+
+def _each(most: object, count: int) -> list[Any]:
+    """What stands for each joint."""
+    return list(most) if isinstance(most, Sequence | np.ndarray) and np.ndim(most) else [most] * count
 
 
 def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
     """The limits on torques and forces that a machine file names; none where it names none. Raises MachineError."""
     joints = file.joints
-    limited = {name for name, joint in joints.items() if math.isfinite(joint.most_torque)}
+    limited = {name for name, joint in joints.items() if joint.motor is not None}
     if not limited:
         return ()
     dynamics = Dynamics.of_machine(file)
@@ -88,7 +107,7 @@ def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
         moves = link.rotor_inertia or any(each.mass or any(each.inertia) for each in carried)
         if name in limited and not moves:
             raise MachineError(f"{source}: joint {name} has a limit of torque or force, and moves no mass; give mass")
-    return torque_rows(dynamics, [joint.most_torque for joint in joints.values()], list(joints))
+    return torque_rows(dynamics, [joint.motor or math.inf for joint in joints.values()], list(joints))
 
 
 @dataclass(frozen=True)
@@ -113,21 +132,31 @@ class _Room:
     """What weight and friction leave of a joint's limit, as lines of rows over ds/dt."""
 
     terms: _JointTerms
-    limit: float
+    curve: LimitCurve
+
+    @cached_property
+    def of_motor(self) -> Floats:
+        """(pieces, choices, 2) of the motor's curve: height at rest, and fall with the speed of the joint."""
+        return self.curve.lines(math.inf, math.inf)
 
     def __call__(self, q: Floats) -> tuple[Floats, Floats]:
-        """(n, 1, 1, 2) above and below zero: height at rest, and fall with ds/dt. Raises UsageError without room."""
+        """(n, 1, pieces, choices, 2) above and below zero: height at rest, and fall with ds/dt.
+
+        Raises UsageError where there is no room at rest.
+        """
         _, _, linear, constant = self.terms.at(q)
-        if not (np.abs(constant) < self.limit).all():
+        if not (np.abs(constant) < self.curve.largest).all():
             at = int(np.argmax(np.abs(constant)))
             raise UsageError(
                 f"torque of joint {self.terms.joint + 1}: weight and friction take {abs(constant[at]):.6g} of "
-                f"{self.limit:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger motor, or a "
-                "weight balance"
+                f"{self.curve.largest:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger "
+                "motor, or a weight balance"
             )
-        lines = np.stack([np.stack([self.limit - constant, linear], 1), np.stack([self.limit + constant, -linear], 1)])
-        above, below = lines[:, :, None, None]
-        return above, below
+        speed = np.abs(q[1, :, self.terms.joint])
+        motor = self.of_motor * np.stack([np.ones_like(speed), speed], axis=1)[:, None, None]
+        taken = np.stack([constant, -linear], axis=1)[:, None, None]
+        above, below = motor - taken, motor + taken
+        return above[:, None], below[:, None]
 
 
 @dataclass(frozen=True)
