@@ -138,7 +138,7 @@ def test_a_cut_above_its_stability_chart_is_told_and_not_chosen():
 
 PROGRAMS = {
     "linuxcnc": ("G21 G90 G54\nT1 M6\n(S99) S6000 M3\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS8000 M3\nG1 X1\nM30\n", 2),
-    "sinumerik": ("T1 M6\nS6000 M3 ;S12\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS=8000 M3\nG1 X1\nM30\n", 2),
+    "sinumerik": ("T1 M6\nS6000 M3 ;S12\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS1=8000 M1=3 S2=60\nG1 X1\nM30\n", 2),
     "heidenhain": (
         "BEGIN PGM A MM\nTOOL CALL 1 Z S6000\nL X0 Y0 Z5 FMAX M3\nL X9 F600\nTOOL CALL 2 Z S8000\nL X1 F600 M3\n"
         "END PGM A MM\n", 2,
