@@ -79,7 +79,7 @@ def with_cut_feeds(
     """The program with the feeds of a plan. Raises UsageError for a table of points, VerificationError where what was
     written does not read back to the same path with these feeds."""
     passes = Passes.of(toolpath)
-    feeds = _BlockFeeds(toolpath, passes, plan)
+    feeds = _BlockFeeds(toolpath, passes, plan, machine)
     found = recognised(source, dialect, options)
     language = found.controller.language if found.controller is not None else found.dialect
     if language not in LANGUAGES:
@@ -159,10 +159,21 @@ def check(job: Job, feeds: _BlockFeeds, new: Rewritten, again: ToolPath) -> None
             )
 
 
+def rotary_speed(toolpath: ToolPath, machine: Machine) -> Floats:
+    """(points,) most speed of the tip on the way to each point by the velocity limits of the rotary joints [m/s]; inf
+    where none turns, or the program does not tell where they are."""
+    found = np.full(len(toolpath), math.inf)
+    if toolpath.rotary is not None:
+        limits = machine.limits.velocity[[machine.joints.index(name) for name in toolpath.rotary_joints]]
+        times = (np.abs(np.diff(toolpath.rotary, axis=0)) / limits).max(axis=1, initial=0.0)
+        np.divide(toolpath.way_length[1:], times, out=found[1:], where=times > 0.0)
+    return found
+
+
 class _BlockFeeds:
     """The feeds of a plan, block by block."""
 
-    def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan) -> None:
+    def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan, machine: Machine) -> None:
         self.passes = passes
         speed = toolpath.most_speed
         ends, values = ends_of_pieces(list(plan.places), list(plan.feeds), speed)
@@ -173,8 +184,10 @@ class _BlockFeeds:
         way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
         # pieces of one feed between two points: ways [m], feeds [m/s], the program's own speeds [m/s]
         self.way = np.diff(np.interp(edges, np.arange(last + 1.0), way))
-        self.feed = np.append(values, np.nan)[np.minimum(np.searchsorted(ends, middle, side="left"), len(values))]
+        planned = np.append(values, np.nan)[np.minimum(np.searchsorted(ends, middle, side="left"), len(values))]
         self.own = speed[point]
+        # an F that no rotary joint can follow is a promise that nothing keeps
+        self.feed = np.minimum(planned, np.maximum(self.own, rotary_speed(toolpath, machine)[point]))
         # of a cycle the ways at feed
         self.moves = (self.way > 0.0) & ~toolpath.rapid[point]
         self.first, self.last = (np.searchsorted(edges, each) for each in (passes.first - 1.0, passes.last * 1.0))
