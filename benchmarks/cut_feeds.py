@@ -25,13 +25,13 @@ from toolpace.common.units import MILLIMETRE
 from toolpace.controls.export.cut_feeds import with_cut_feeds
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import figures_for, moves_of, time_of_moves
+from toolpace.controls.timing.speeds import ControlSpeeds
 from toolpace.cutting.feeds.feed_plan import plan_feeds
 from toolpace.cutting.feeds.limited_plan import plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.jobs import TimedSteps
 from toolpace.jobs.cut import CutRequest, cut_program
-from toolpace.jobs.cut_options import speeds_reached
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import ReadOptions, Source
 from toolpace.programs.reading.languages import with_controller
@@ -106,7 +106,7 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
     cut = cut_program(str(program), request, TimedSteps(), None, lambda operation, stock: None)
     seconds = time.process_time() - began
     tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
-    reached = speeds_reached(cut.toolpath, machine, figures_for(options, None))
+    reached = ControlSpeeds.of(cut.toolpath, machine, figures_for(options, None)).mean
     for way in ways:
         words, data = ["", ""], source.data
         if way != "program":

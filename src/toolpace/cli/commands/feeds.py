@@ -344,9 +344,9 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
         console.print(f"faster than allowed, since their motions have no single F: lines {lines}", soft_wrap=True)
     scales = {"chip": ("chip", 1e3, "mm"), "removal_rate": ("removal", 6e7, "cm3/min"), "force": ("force", 1.0, "N")}
     scales |= {"torque": ("torque", 1.0, "Nm"), "power": ("power", 1.0, "W"), "deflection": ("deflection", 1e6, "um")}
-    if found.plan.largest:
-        table = new_table(["tool", "largest", "before", "planned"], left=("tool", "largest"))
-        for load in found.plan.largest:
+    if found.largest:
+        table = new_table(["tool", "largest", "before", "after"], left=("tool", "largest"))
+        for load in found.largest:
             name, scale, unit = scales[load.kind]
             words = [f"{scale * each:.3g} {unit}" for each in (load.before, load.after)]
             table.add_row(*cells([load.tool or "-", name, *words]))

@@ -4,6 +4,7 @@
     one feed a block                        the lowest on its way
     pieces of a block                       where it is long, straight, and the time they gain is worth them
     written, and read back                  the same path, feeds no higher than planned, those of other blocks as before
+    raised without a gain on the control    such blocks keep their text, too
 
 What an F means is not worked out here: the program is read with one F everywhere, and its time tells.
 """
@@ -11,21 +12,21 @@ What an F means is not worked out here: the program is read with one F everywher
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats
+from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, VerificationError
 from toolpace.controls.export.feed_words import LANGUAGES
 from toolpace.controls.export.planned_feeds import CUT, Job, in_old_blocks, settled, strays
 from toolpace.controls.export.program import Places as TextPlaces
 from toolpace.controls.export.rewriting import Passes, ProgramText, Rewritten
 from toolpace.cutting.feeds.feed_plan import FeedPlan
-from toolpace.cutting.feeds.schedule import ends_of_pieces
+from toolpace.cutting.feeds.schedule import AT_A_POINT, ends_of_pieces
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import ReadOptions, Source
 from toolpace.programs.reading.languages import recognised
@@ -39,6 +40,8 @@ SHORTEST_PIECE = 2e-3
 """Of a block that is divided [m]."""
 WORTH = 0.2
 """Time that dividing a block gains at least [s]."""
+PAYS = 0.02
+"""Time that neighbouring blocks with a higher feed gain together on the control at least [s]."""
 ROUND = 1e-6
 """Share by which a value may be below a round one, and is taken for it: coordinates of pieces are rounded."""
 CLOSE = 2e-6
@@ -65,6 +68,15 @@ class FeedProgram:
     """Blocks that were divided."""
     above: tuple[int, ...] = ()
     """Lines that keep a feed above the planned one, since their motions have no single F."""
+    back: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """(new lines + 1,) the line that each was before."""
+
+    def points_at(self, before: ToolPath, x: Floats) -> Ints:
+        """(n,) the point of the new program that the way leads to at places x (n,) of it as it was, see `Places`."""
+        old, new = _progress(before), _progress(replace(self.toolpath, block=self.back[self.toolpath.block]))
+        at = np.interp(x, np.arange(len(old)), old)
+        found: Ints = np.searchsorted(new, at - AT_A_POINT).clip(max=len(new) - 1)
+        return found
 
 
 def with_cut_feeds(
@@ -75,9 +87,14 @@ def with_cut_feeds(
     toolpath: ToolPath,
     plan: FeedPlan,
     divide: bool = True,
+    times: Callable[[ToolPath], Floats] | None = None,
 ) -> FeedProgram:
     """The program with the feeds of a plan. Raises UsageError for a table of points, VerificationError where what was
-    written does not read back to the same path with these feeds."""
+    written does not read back to the same path with these feeds.
+
+    times: (points,) of the way to each point of a program on its control [s], by which a higher feed that gains nothing
+    is left out.
+    """
     passes = Passes.of(toolpath)
     feeds = _BlockFeeds(toolpath, passes, plan, machine)
     found = recognised(source, dialect, options)
@@ -86,28 +103,38 @@ def with_cut_feeds(
         raise UsageError("feeds: a table of points has no blocks that could bear an F; give a program")
     shares = feeds.divided(source) if divide and language in CUT else {}
     job = Job.beside(source, machine, dialect, options, toolpath, feeds.times(shares))
-    pieces: dict[int, list[str]] = {}
+    if wrong := _elsewhere(job, shares):
+        shares = {line: each for line, each in shares.items() if line not in wrong}
+        job = Job.beside(source, machine, dialect, options, toolpath, feeds.times(shares))
 
     def write(job: Job) -> Rewritten:
-        nonlocal pieces
-        new, pieces = _written(job, feeds, shares)
-        return new
+        return _written(job, feeds, shares)
 
     job, new, again = settled(job, write)
+    if times is not None:
+        useless = _without_gain(job, feeds, times(toolpath), in_old_blocks(again, new), times(again))
+        if useless.any():
+            job, new, again = settled(job.without(useless), write)
     check(job, feeds, new, again)
     above = feeds.lowered & ~job.rewriting.chosen
-    return FeedProgram(new.data, again, len(job.lines), len(pieces), _lines(passes, above))
+    divided = len(set(shares) & set(job.lines))
+    return FeedProgram(new.data, again, len(job.lines), divided, _lines(passes, above), new.back)
 
 
-def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten, dict[int, list[str]]]:
-    """The program with its feeds, and the pieces of the blocks that are divided: those that lead to the same path."""
+def _elsewhere(job: Job, shares: Divisions) -> set[int]:
+    """Lines whose pieces lead elsewhere than the block does."""
     pieces = {line: text for line, (_, text) in shares.items() if line in job.lines}
+    if not pieces:
+        return set()
     new, read = job.probe(pieces)
     wrong = {int(block) for block in job.passes.block[strays(job, new, read)]} & set(pieces)
-    wrong |= _misplaced(new, read, {line: shares[line][0] for line in pieces})
-    if wrong:
-        pieces = {line: lines for line, lines in pieces.items() if line not in wrong}
-        new, read = job.probe(pieces)
+    return wrong | _misplaced(new, read, {line: shares[line][0] for line in pieces})
+
+
+def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> Rewritten:
+    """The program with its feeds, and with blocks in pieces."""
+    pieces = {line: text for line, (_, text) in shares.items() if line in job.lines}
+    new, read = job.probe(pieces)
     times = new.times(read)
     planned = {
         line: feeds.piece_times(k, shares[line][0]) if line in pieces else np.array([feeds.planned_time(k)])
@@ -115,7 +142,33 @@ def _written(job: Job, feeds: _BlockFeeds, shares: Divisions) -> tuple[Rewritten
     }
     values = job.values(times, planned, pieces)
     words = {line: [rounded_down(value) for value in found.tolist()] for line, found in values.items()}
-    return job.rewriting.write(words, pieces), pieces
+    return job.rewriting.write(words, pieces)
+
+
+def _without_gain(job: Job, feeds: _BlockFeeds, before: Floats, again: ToolPath, after: Floats) -> Bools:
+    """(k,) passes with a higher feed that gain less than PAYS together with those beside them.
+
+    before, after: (points,) time on the control, of the program and of it as it reads `again`.
+    """
+    gain = np.add.reduceat(before[1:], job.passes.first - 1)
+    gain -= np.add.reduceat(after[1:], Passes.of(again).first - 1)
+    raised = job.rewriting.chosen & ~feeds.lowered
+    run = np.cumsum(~raised)
+    gains = np.bincount(run[raised], gain[raised], minlength=int(run[-1]) + 1)
+    return raised & (gains[run] < PAYS)
+
+
+def _progress(toolpath: ToolPath) -> Floats:
+    """(points,) the pass of each point and the share of its way up to it, which ascends along the program."""
+    passes = Passes.of(toolpath)
+    count = passes.last - passes.first + 1
+    begin = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
+    whole = (begin[passes.last] - begin[passes.first - 1]).repeat(count)
+    done = begin[1:] - begin[passes.first - 1].repeat(count)
+    # where the tip stands by the number of the point
+    number = np.arange(1, len(toolpath)) - passes.first.repeat(count) + 1
+    share = np.where(whole > 0.0, done / np.where(whole > 0.0, whole, 1.0), number / count.repeat(count))
+    return np.concatenate([[0.0], np.arange(len(count)).repeat(count) + share])
 
 
 def _misplaced(new: Rewritten, read: ToolPath, shares: Mapping[int, Floats]) -> set[int]:

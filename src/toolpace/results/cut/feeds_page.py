@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import printable
 from toolpace.common.units import format_time
 from toolpace.motion.sampling import Sampling
@@ -92,13 +94,17 @@ class NewFeeds(Protocol):
     def before(self) -> ProgramTime: ...
     @property
     def after(self) -> ProgramTime: ...
+    @property
+    def reached(self) -> tuple[Sequence[Floats], Sequence[Floats]]: ...
+    @property
+    def largest(self) -> tuple[LargestLoad, ...]: ...
 
 
 def feeds_page(found: NewFeeds, machine: str) -> str:
     """The page as HTML; it opens without a network. The motion is that of the program as it was."""
     cut, plan = found.cut, found.plan
     duration = float(cut.trajectory.duration)
-    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules)
+    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules, found.reached)
     view = view_of_cut(cut.simulation, cut.trajectory, cut.toolpath, cut.setup, tracks=tracks)
     less = saved(found.before.total, found.after.total)
     badge = f"{100.0 * abs(less):.1f} % {'less' if less >= 0.0 else 'more'} time"
@@ -110,7 +116,7 @@ def feeds_page(found: NewFeeds, machine: str) -> str:
         "motion": shell.motion_section(duration, _legend(tracks)),
         "model": escape(found.model),
         "operations": "\n".join(_operations(found)),
-        "loads": _loads(plan.largest),
+        "loads": _loads(found.largest),
         "notes": _notes(found),
     }
     points = Sampling(cut.trajectory, TIME_STEP, on_grid=False)
@@ -172,7 +178,7 @@ def _loads(largest: tuple[LargestLoad, ...]) -> str:
         name, scale, unit = LOADS[each.kind]
         values = "".join(f"<td>{scale * value:.3g} {unit}</td>" for value in (each.before, each.after))
         rows.append(f"<tr><th>{escape(printable(each.tool)) or '-'}</th><th>{name}</th>{values}</tr>")
-    head = "<th>tool</th><th>largest</th><th>before</th><th>planned</th>"
+    head = "<th>tool</th><th>largest</th><th>before</th><th>after</th>"
     return (
         '<section class="panel"><h2>Largest loads</h2><div class="scroll"><table class="figures"><thead><tr>'
         f"{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div></section>"
@@ -202,8 +208,8 @@ def _notes(found: NewFeeds) -> str:
 def _legend(tracks: CutTracks) -> str:
     """What the curves before and after are."""
     shown = [panel for panel in KINDS if any(each.panel == panel for each in tracks.tracks)]
-    what = "feeds" if shown == ["program_feed"] else "feeds, and loads at these feeds where something may be cut"
+    what = "feeds" if shown == ["program_feed"] else "feeds, and loads where something may be cut"
     return (
-        f'<p class="hint">Before and after: {what}, at their places in the motion of the program as it was. Stock and '
-        "speed of the tip are of that motion.</p>"
+        f'<p class="hint">Before and after: {what}, at the speeds that the control reaches by its model, and at their '
+        "places in the motion of the program as it was. Stock and speed of the tip are of that motion.</p>"
     )
