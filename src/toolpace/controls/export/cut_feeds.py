@@ -262,7 +262,7 @@ class _BlockFeeds:
         """(k,) time of each pass at the feeds on its way [s]; 0 of those that keep their text."""
         raised = (self.least_ratio >= 1.0 + LEAST_CHANGE) | np.isin(self.passes.block, list(divided))
         found = np.zeros(len(raised))
-        for k in np.flatnonzero((self.lowered | raised) & np.isfinite(self.least_ratio)):
+        for k in np.flatnonzero((self.lowered | raised) & np.isfinite(self.least_ratio)).tolist():
             found[k] = self.planned_time(k)
         return found
 
