@@ -26,6 +26,7 @@ from toolpace.machine.plausibility import (
     check_mass,
     check_name,
     check_place,
+    check_rating,
     check_text,
 )
 
@@ -77,6 +78,12 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """Most of a linear joint's motor [N], at any speed; None where it is not held."""
     torque: float | None = None
     """Most of a rotary joint's motor, at the joint [N m]."""
+    force_continuous: float | None = None
+    """Most of its root mean square over the thermal window [N]."""
+    torque_continuous: float | None = None
+    """The same of a rotary joint's motor [N m]."""
+    thermal_window: float = math.inf
+    """Time over which the mean square is taken [s]; inf: the whole motion."""
     mass: float = 0.0
     """Of what the joint moves, without what is moved by joints on it [kg]."""
     centre: Vector = (0.0, 0.0, 0.0)
@@ -108,6 +115,11 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
             return None
         curve: LimitCurve = self.motor_curve or LimitCurve([[0.0, limit]])
         return curve
+
+    @property
+    def continuous(self) -> float | None:
+        """The motor's continuous rating [N m, N]; None where there is none."""
+        return self.force_continuous if self.kind == "linear" else self.torque_continuous
 
 
 class WorkpieceFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -180,6 +192,7 @@ def read_machine(text: str, source: str) -> MachineFile:
                 "every joint at zero, like point = [0, 0, 0]"
             )
         check_body(joint, place)
+        check_rating(joint, (motors[name] or joint.motor), place)
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),

@@ -177,6 +177,10 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
         yield f"{MOTORS[rotary]} = {text}", f"{per} over {unit}/s, of the motor at the joint"
     elif limit is not None:
         yield f"{MOTORS[rotary]} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    if joint.continuous is not None:
+        yield f"{MOTORS[rotary]}_continuous = {_figure(joint.continuous)}", f"{per}, root mean square over the window"
+        if math.isfinite(joint.thermal_window):
+            yield f"thermal_window = {_figure(joint.thermal_window)}", "s"
     yield from _body(joint, LENGTHS[length])
     for value, what, comment in (
         (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
