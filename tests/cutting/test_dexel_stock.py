@@ -134,7 +134,7 @@ def test_the_surface_is_closed():
     [
         (lambda: DexelStock.box((0, 0, 0), (0.1, 0.0, 0.1)), "it is 100 x 0 x 100 mm"),
         (lambda: DexelStock.box((0, 0, 0), (0.1, 0.1, 0.1), 1e-6), "take .* MB, and 512 MB are allowed"),
-        (lambda: check_memory(box_mesh(LOW, HIGH), 1e-4, 3e6, 3), "for 3 stocks .*, and 3 MB are allowed"),
+        (lambda: check_memory(box_mesh(LOW, HIGH), 1e-5, 3e6, 3), "for 3 stocks .*, and 3 MB are allowed"),
         (lambda: DexelStock.box((0, 0, 0), (0.1, 0.1, 0.1), -1.0), "resolution"),
         (lambda: DexelStock.box((0, 0, math.nan), (0.1, 0.1, 0.1)), "low"),
         (lambda: DexelStock.cylinder((0, 0, 0), (0, 0, 0), 0.1), "both ends"),
