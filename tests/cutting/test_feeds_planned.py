@@ -14,7 +14,7 @@ from tests.support.program_with_feeds import with_feeds
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.table import EngagementTable
 from toolpace.cutting.feeds.feed_moves import check_tools
-from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.feed_plan import KeptFeed, plan_feeds
 from toolpace.cutting.feeds.learned import best_of, held_loads, learned_speeds
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
@@ -382,3 +382,8 @@ def test_figures_that_feeds_need_are_asked_for_before_the_plan(missing, message)
     with pytest.raises(UsageError, match=message):
         check_tools(toolpath, tools, FeedRules("learned"))
     check_tools(toolpath, tools, FeedRules("air"))
+
+
+def test_a_feed_that_stays_is_told_with_its_first_lines():
+    kept = KeptFeed("at a limit", 2.5, ((3, 3), (5, 9), (11, 12)))
+    assert kept.told(2) == "as it was for 2.50 s: at a limit; lines 3, 5 to 9, ..."

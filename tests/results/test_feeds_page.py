@@ -92,8 +92,3 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_work(tmp_path, ca
         assert main(words) == 2
         error = capsys.readouterr().err.strip()
         assert word in error and "\n" not in error
-
-
-def test_the_page_tells_how_long_feeds_stay_and_why(made):
-    text, _, _ = made
-    assert re.search(r"<li>as it was for [^<]*: at a limit, or beside a place that is; lines \d", text)
