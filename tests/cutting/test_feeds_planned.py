@@ -13,7 +13,8 @@ from tests.support.feed_programs import SHEET, TWO_SLOTS
 from tests.support.program_with_feeds import with_feeds
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.table import EngagementTable
-from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.feed_moves import check_tools
+from toolpace.cutting.feeds.feed_plan import KeptFeed, plan_feeds
 from toolpace.cutting.feeds.learned import best_of, held_loads, learned_speeds
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
@@ -381,3 +382,19 @@ def test_rules_that_speak_of_what_is_not_there_are_refused(cut):
         Steps(margin=math.nan)
     rules = FeedRules(limits={"": CutLimits(chip=1e-4, removal_rate=1e-6), "3": CutLimits(chip=2e-4)})
     assert rules.limits_of("3") == CutLimits(chip=2e-4, removal_rate=1e-6)
+
+
+@pytest.mark.parametrize("missing, message", [("teeth", "number of teeth"), ("spindle_speed", "spindle speed")])
+def test_figures_that_feeds_need_are_asked_for_before_the_plan(missing, message):
+    sheet = "\n".join(line for line in SHEET.splitlines() if not line.startswith(missing))
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(sheet)
+    toolpath = tp.read_text(TWO_SLOTS.replace("S6000 M3", ""), machine, controller="linuxcnc", setup=setup)
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    with pytest.raises(UsageError, match=message):
+        check_tools(toolpath, tools, FeedRules("learned"))
+    check_tools(toolpath, tools, FeedRules("air"))
+
+
+def test_a_feed_that_stays_is_told_with_its_first_lines():
+    kept = KeptFeed("at a limit", 2.5, ((3, 3), (5, 9), (11, 12)))
+    assert kept.told(2) == "as it was for 2.50 s: at a limit; lines 3, 5 to 9, ..."

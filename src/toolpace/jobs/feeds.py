@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.spindle_speeds import OperationSpeed
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.programs.reading import ReadOptions, Source
+    from toolpace.programs.tool_figures import ToolFigures
+    from toolpace.programs.toolpath import ToolPath
 
 
 class Reached(NamedTuple):
@@ -76,7 +78,7 @@ def new_feeds(
     from toolpace.controls.export.spindle_words import SpindleWords
     from toolpace.controls.timing.program_time import figures_for
     from toolpace.controls.timing.speeds import ControlSpeeds
-    from toolpace.cutting.feeds.feed_moves import FeedMoves
+    from toolpace.cutting.feeds.feed_moves import FeedMoves, check_tools
     from toolpace.cutting.feeds.feed_plan import plan_feeds
     from toolpace.cutting.feeds.largest_loads import largest_loads
     from toolpace.cutting.feeds.spindle_speeds import spindle_speeds
@@ -86,12 +88,22 @@ def new_feeds(
     source = Source.load(program)
     options, found = with_controller(source, request.dialect, request.options)
     figures = figures_for(options, None)
-    cut = cut_program(program, request, steps, None, lambda operation, stock: None)
+    rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
+
+    def tools_of(toolpath: ToolPath) -> list[ToolFigures | None]:
+        return [options.setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+
+    def check(toolpath: ToolPath) -> None:
+        rules.check(toolpath)
+        if options.setup.workpiece.stock or toolpath.workpiece.stock:
+            # on a guessed stock no feed is raised, and what is missing is told with the feeds as they are
+            check_tools(toolpath, tools_of(toolpath), rules)
+
+    cut = cut_program(program, request, steps, None, lambda operation, stock: None, check)
     with steps.step("time before"):
         before = control_time(source, request, options, figures)
         speeds_before = ControlSpeeds.of(cut.toolpath, request.machine, figures)
-    tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
-    rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
+    tools = tools_of(cut.toolpath)
     text, toolpath = source, cut.toolpath
     speeds: tuple[OperationSpeed, ...] = ()
     if turns or any(each is not None and each.stability is not None for each in tools):

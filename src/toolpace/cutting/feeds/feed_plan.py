@@ -94,6 +94,12 @@ class KeptFeed:
     lines: tuple[tuple[int, int], ...] = ()
     """First and last line of each stretch of neighbouring lines of which some of the way keeps its feed so."""
 
+    def told(self, most: int) -> str:
+        """A sentence, with at most so many stretches of lines."""
+        where = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in self.lines[:most])
+        more = ", ..." if len(self.lines) > most else ""
+        return f"as it was for {format_time(self.seconds)}: {self.reason}; lines {where}{more}"
+
 
 @dataclass(frozen=True)
 class FeedPlan:

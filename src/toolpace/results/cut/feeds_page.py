@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 
 from toolpace.common.arrays import Floats
 from toolpace.common.errors import printable
-from toolpace.common.units import format_time
+from toolpace.common.units import format_figure, format_time
+from toolpace.cutting.feeds.teaching import by_line
 from toolpace.motion.sampling import Sampling
 from toolpace.results.cut.folder import ProgramCut
 from toolpace.results.cut.page import TIME_STEP
@@ -176,7 +177,7 @@ def _loads(largest: tuple[LargestLoad, ...]) -> str:
     rows = []
     for each in largest:
         name, scale, unit = LOADS[each.kind]
-        values = "".join(f"<td>{scale * value:.3g} {unit}</td>" for value in (each.before, each.after))
+        values = "".join(f"<td>{format_figure(scale * value)} {unit}</td>" for value in (each.before, each.after))
         rows.append(f"<tr><th>{escape(printable(each.tool)) or '-'}</th><th>{name}</th>{values}</tr>")
     head = "<th>tool</th><th>largest</th><th>before</th><th>after</th>"
     return (
@@ -186,13 +187,15 @@ def _loads(largest: tuple[LargestLoad, ...]) -> str:
 
 
 def _notes(found: NewFeeds) -> str:
-    """Sentences: what holds of all feeds, who taught them, and where the program is above a limit."""
+    """Sentences: what holds of all feeds, what stays as it was and why, who taught them, and where the program is above
+    a limit."""
     plan = found.plan
-    sentences = list(plan.notes)
+    sentences = [*plan.notes, *(each.told(LISTED) for each in plan.kept)]
     sentences += [
-        f"teacher: line {each.line}, tool {each.tool}: chip {1e6 * each.chip:.3g} µm, area {1e6 * each.area:.3g} mm², "
-        f"edge {1e3 * each.edge:.3g} mm"
-        for each in plan.teachers[:LISTED]
+        f"teacher: {f'{each.program}, ' * bool(each.program)}line {each.line}, tool {each.tool}: chip "
+        f"{1e6 * each.chip:.3g} µm, area {1e6 * each.area:.3g} mm², edge {1e3 * each.edge:.3g} mm, "
+        f"for {format_time(each.seconds)}"
+        for each in by_line(plan.teachers)[:LISTED]
     ]
     for each in plan.overloads[:LISTED]:
         what = "however slow, the load" if each.always else "the feed of the program"
