@@ -334,6 +334,7 @@ def test_changed_arcs_are_found(change):
     assert not arcs_check(judge, {**file, **changed}, chosen).ok
 
 
+@pytest.mark.sweep
 def test_speeds_that_no_station_has_or_that_its_cut_does_not_allow_are_found():
     judge, file = slot_judge()
     assert allowed_check(judge, file, 3).ok
@@ -349,6 +350,7 @@ def test_speeds_below_those_that_the_motion_has_are_found():
     assert not speed_check(judge, {**file, "station most": 0.9 * file["station most"]}).ok
 
 
+@pytest.mark.sweep
 def test_a_stock_that_is_larger_than_planned_is_found():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))

@@ -190,7 +190,8 @@ class Rewriting:
             if self.chosen[k]:
                 last = k
             elif last >= 0 and not self.passes.rapid[k]:
-                behind.append(int(self.passes.block[last]))
+                if self.inverse or not self._has_feed(int(self.passes.block[k])):
+                    behind.append(int(self.passes.block[last]))
                 last = -1
         if self.inverse and last >= 0:
             behind.append(int(self.passes.block[last]))
@@ -204,6 +205,10 @@ class Rewriting:
             if number in wanted and (feed or self.inverse):
                 found[number] = self.words.alone(feed, mode, self.inverse)
         return found
+
+    def _has_feed(self, line: int) -> bool:
+        """Whether a line bears an F of its own, so that none needs to be in force."""
+        return 0 < line <= len(self.text.lines) and self.words.feed_in(self.text.lines[line - 1]) != ""
 
     def _before_skipped(self) -> list[int]:
         """Lines that got a feed, each the last before one that was not read as run and that a switch (/) lets run."""
