@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,14 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.programs.speed_profile import SpeedProfile
-from toolpace.results.write.cut_promise import input_digests, spindle_curves
 
 if TYPE_CHECKING:
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.spindle_figures import SpindleFigures
+    from toolpace.programs.tool_figures import ToolFigures
+    from toolpace.programs.toolpath import ToolPath
 
 CUT_LIMITS = "cut_limits.npz"
 """Its name in the folder of a plan."""
@@ -97,6 +100,39 @@ def _teachers(found: CutLimitedPlan) -> dict[str, list[tuple[float, float, float
     for each in found.feeds.teachers:
         by_tool.setdefault(each.tool, []).append((each.chip, each.area, each.edge))
     return by_tool
+
+
+def spindle_curves(spindle: SpindleFigures) -> dict[str, list[tuple[float, float]]]:
+    """What a spindle gives: by the name of the limit, turns per second [1/s] and the most at that speed in SI."""
+    curves = {"power": spindle.power, "torque": spindle.torque}
+    return {name: list(zip(each.speed, each.value)) for name, each in curves.items() if each is not None}
+
+
+def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
+    """The figures of the tool of each operation."""
+    return [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+
+
+def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
+    """SHA-256 of the figures of the stock and of each tool, in SI; "stock" and "tool 3"."""
+    found = {}
+    for operation, tool in zip(toolpath.operations, tools_of(toolpath, setup)):
+        if tool is not None:
+            found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    if stock is not None:
+        mesh = stock.solid.mesh
+        try:
+            data = b"" if mesh is None else mesh.read_bytes()
+        except OSError:
+            data = b""  # what reads it says so
+        solid = replace(stock.solid, mesh=None, box=((0.0,) * 3, (1.0,) * 3)) if mesh is not None else stock.solid
+        found["stock"] = _digest(replace(stock, solid=replace(solid, source="")), data)
+    return found
+
+
+def _digest(figures: object, data: bytes = b"") -> str:
+    return hashlib.sha256(msgspec.json.encode(figures) + data).hexdigest()
 
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:

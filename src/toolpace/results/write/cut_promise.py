@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import msgspec
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
+from toolpace.results.write.cut_limits import CutLimitsRecord, input_digests, spindle_curves, tools_of
 
 if TYPE_CHECKING:
     from toolpace.judge.cut import Bent, CutPromise
@@ -20,15 +20,8 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading.coordinates.setup import SetUp
-    from toolpace.programs.spindle_figures import SpindleFigures
     from toolpace.programs.stock_figures import StockFigures
-    from toolpace.programs.tool_figures import ToolFigures
     from toolpace.programs.toolpath import ToolPath
-    from toolpace.results.write.cut_limits import CutLimitsRecord
-
-Curves = dict[str, list[tuple[float, float]]]
-"""By the name of a limit: turns per second [1/s], and the most at that speed in SI."""
-
 
 @dataclass(frozen=True)
 class StatedPromise:
@@ -41,39 +34,6 @@ class StatedPromise:
 
 
 NOTHING_STATED = StatedPromise()
-
-
-def spindle_curves(spindle: SpindleFigures) -> Curves:
-    """What a spindle gives at its speeds."""
-    curves = {"power": spindle.power, "torque": spindle.torque}
-    return {name: list(zip(each.speed, each.value)) for name, each in curves.items() if each is not None}
-
-
-def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
-    """The figures of the tool of each operation."""
-    return [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
-
-
-def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
-    """SHA-256 of the figures of the stock and of each tool, in SI; "stock" and "tool 3"."""
-    found = {}
-    for operation, tool in zip(toolpath.operations, tools_of(toolpath, setup)):
-        if tool is not None:
-            found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
-    stock = setup.workpiece.stock or toolpath.workpiece.stock
-    if stock is not None:
-        mesh = stock.solid.mesh
-        try:
-            data = b"" if mesh is None else mesh.read_bytes()
-        except OSError:
-            data = b""  # what reads it says so
-        solid = replace(stock.solid, mesh=None, box=((0.0,) * 3, (1.0,) * 3)) if mesh is not None else stock.solid
-        found["stock"] = _digest(replace(stock, solid=replace(solid, source="")), data)
-    return found
-
-
-def _digest(figures: object, data: bytes = b"") -> str:
-    return hashlib.sha256(msgspec.json.encode(figures) + data).hexdigest()
 
 
 def judged_cut(
