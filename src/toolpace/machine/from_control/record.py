@@ -41,7 +41,7 @@ class Figure:
     unit: str = ""
     """Of a limit of a joint (`common/units.py: JOINT_LIMITS`), as `m/s2`; empty: in the units of the record."""
     falls: tuple[tuple[float, float], ...] = ()
-    """Of an acceleration that falls with the speed: corners, each a share of the velocity limit and one of the value."""
+    """Of an acceleration that falls with the speed: corners, each a share of the velocity limit and of the value."""
 
     @property
     def number(self) -> float:

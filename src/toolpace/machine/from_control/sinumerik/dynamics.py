@@ -1,9 +1,9 @@
 """Limits and travel of an axis, and how the control uses them: acceleration, jerk, roundings, cycles.
 
 Function Manual Basic Functions, B1 (continuous-path mode), B2 (acceleration: with SOFT an axis has MD32300 times
-MD32433; 2.18, acceleration that falls from a part of the velocity on), A3 (software limit switches do not hold for modulo axes), G2 (units: mm/min, m/s2, m/s3; with inches in/min,
-in/s2, in/s3; rev/min, rev/s2, rev/s3). Of data for each dynamic mode the first is DYNNORM; then come DYNPOS, DYNROUGH,
-DYNSEMIFIN, DYNFINISH.
+MD32433; with DRIVE it falls beyond a knee, 2.18), A3 (software limit switches do not hold for modulo axes), G2 (units:
+mm/min, m/s2, m/s3; with inches in/min, in/s2, in/s3; rev/min, rev/s2, rev/s3). Of data for each dynamic mode the first
+is DYNNORM; then come DYNPOS, DYNROUGH, DYNSEMIFIN, DYNFINISH.
 """
 
 from __future__ import annotations
