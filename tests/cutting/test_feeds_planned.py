@@ -122,8 +122,7 @@ def test_limits_that_make_no_sense():
         speeds_within(forces, places(40), CutLimits(stress=1e9), 0.1)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_no_force_is_above_the_teachers_whatever_the_material(seed):
+def check_learned_torque(seed):
     """Torque is F = Kc A + Ke L times the radius on a cylinder: its peak at the learned speeds, for random Kc, Ke."""
     rng = np.random.default_rng(seed)
     n = 60
@@ -141,6 +140,17 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
         chip = learner.loads(np.maximum(allowed, 1e-9)).chip
         assert (chip[allowed > 0.0] <= teacher.loads(speed).chip.max() * (1.0 + 1e-9)).all()
     assert ((which >= 0) == (allowed > 0.0)).all()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_no_force_is_above_the_teachers_whatever_the_material(seed):
+    check_learned_torque(seed)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(10, 500))
+def test_no_force_is_above_the_teachers_in_many_engagements(seed):
+    check_learned_torque(seed)
 
 
 def allowed_by(teacher, learner, speed, **without):
@@ -237,6 +247,7 @@ def learned(text, rules):
     return plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
 
 
+@pytest.mark.sweep
 def test_teachers_are_listed_left_out_and_taken_from_another_program(tmp_path):
     plan = learned(SHALLOW, FINISHING)
     assert {each.line for each in plan.teachers} == {8} and plan.teachers[0].seconds > 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -167,6 +168,14 @@ def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_pl
     options = ReadOptions(controller=tp.Controller.load("linuxcnc"))
     written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
     assert (written.toolpath.most_speed[block] <= feeds[block] * (1.0 + 1e-6)).all()
+
+
+def test_no_feed_is_above_what_the_rotary_joints_can_do():
+    # A turns by 150 degrees a second at most, C by 240; on its own F of a rotary word is in degrees
+    text = "G21 G90 G94\nG0 X20 Y0 Z5 A0 C0\nG1 A30 F100\nG1 C90 F100\nG1 X80 F100\nM30\n"
+    _, written = changed(text, "linuxcnc", {3: 10.0, 4: 10.0, 5: 0.1})
+    feeds = [float(each) for each in re.findall(r"F(\d+)", written.data.decode())]
+    assert feeds == [9000.0, 14400.0, 6000.0]
 
 
 def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():

@@ -122,6 +122,7 @@ def test_the_cutting_speed_holds_at_the_diameter_of_the_cut():
     assert math.pi * ball.diameter * ball.after <= 250.0 / 60.0 < math.pi * ball.diameter * (ball.after + 0.2)
 
 
+@pytest.mark.sweep
 def test_what_the_spindle_does_not_give_is_not_asked_of_it():
     """Power grows with the speed: where its chip is free, fewer turns with thicker chips remove more."""
     limits, materials = {"": CutLimits(chip=0.2e-3)}, {"": ALUMINIUM}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs import TimedSteps
     from toolpace.judge import Verification
+    from toolpace.judge.cut import Bent
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.motion.setpoints import SetPointSource
@@ -75,6 +76,8 @@ class CutOptions:
     """Size of a cell of the stock [m]; None: the finest that `memory` has room for."""
     memory: float = 1e9
     """Most that the stock takes [bytes]."""
+    material: str = ""
+    """Name or file of what `rules` has the coefficients of."""
 
     def plan(self, job: Planning, steps: TimedSteps, toolpath: ToolPath, name: str) -> CutLimitedPlan:
         """The plan of a program of this name; what teaches does so at the speeds that its control reaches. Raises
@@ -108,18 +111,30 @@ class CutOptions:
 
     def verified(
         self, job: Planning, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
-        part: tuple[CutLimitsRecord, bytes],
+        fed: ToolPath, part: tuple[CutLimitsRecord, bytes],
     ) -> Verification:  # fmt: skip
-        """The judge's word, with that on the cut of the set-points along the program."""
+        """The judge's word, with that on the cut of the set-points along the program; fed: with the feeds that the cut
+        allows."""
         from toolpace.motion.setpoints import in_memory
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
             checks = write.judged_cut(
                 part[0], write.cut_arrays(part[1]), in_memory(points), toolpath, job.options.setup, job.machine,
-                bends=job.tool is not None,
+                bent=bent_tool(job, fed),
             )  # fmt: skip
         return replace(found, checks=(*found.checks, *checks))
+
+
+def bent_tool(job: Planning, fed: ToolPath) -> Bent | None:
+    """What the judge is told of a tool that bends; None where it is stiff."""
+    from toolpace.judge.cut import Bent
+    from toolpace.programs.tolerances import Tolerances
+
+    if job.tool is None:
+        return None
+    tip, axis = (Tolerances.of(getattr(job, name), name) for name in ("tip_tolerance", "axis_tolerance"))
+    return Bent(job.tool, job.machine, fed, tip, axis)
 
 
 def cut_limits(words: Sequence[str]) -> dict[str, CutLimits]:

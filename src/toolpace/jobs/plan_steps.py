@@ -71,8 +71,8 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     verification = verify_motion(steps, sampled.judge)
     cut_limits = None
     if limits is not None:
-        cut_limits = write.cut_part(within_cut, limits.rules)
-        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
+        cut_limits = write.cut_part(within_cut, limits.rules, job.options.setup, limits.material)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, toolpath, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,

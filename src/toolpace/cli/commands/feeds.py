@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
+    from toolpace.results.write import StatedPromise
 
 SPINDLE = ("program", "range")
 SHOWN = 8
@@ -171,10 +172,39 @@ class AllowedInPlan(Allowed):
         if bend is not None:
             # what is compensated counts by what is left of it
             rules = replace(rules, limits={tool: each.compensated for tool, each in rules.limits.items()})
-        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory))
+        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory), self.material or "")
 
 
 AS_PROGRAMMED = AllowedInPlan()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class StatedCut:
+    """What a plan's cut was promised to be."""
+
+    limit: Limits | None = None
+    max_deflection: Annotated[
+        str | None, Parameter(help="Most deflection that is left on the surface, as the plan was to hold it: 20um.")
+    ] = None
+    material: Annotated[
+        str | None, Parameter(help="What is cut: Al7075-T6, or a file of coefficients (.toml).")
+    ] = None
+
+    def promise(self) -> StatedPromise:
+        """The same, read. Raises UsageError."""
+        from toolpace.jobs.cut_options import cut_limits
+        from toolpace.results.write import StatedPromise
+
+        most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
+        limits = cut_limits([*(self.limit or []), *most])
+        return StatedPromise(
+            {tool: {name: getattr(each, name) for name in each.names} for tool, each in limits.items()} or None,
+            None if self.material is None else coefficients_of(self.material),
+        )
+
+
+NOTHING_STATED = StatedCut()
 
 
 def feeds_command(

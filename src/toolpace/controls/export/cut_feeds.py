@@ -96,7 +96,7 @@ def with_cut_feeds(
     is left out.
     """
     passes = Passes.of(toolpath)
-    feeds = _BlockFeeds(toolpath, passes, plan)
+    feeds = _BlockFeeds(toolpath, passes, plan, machine)
     found = recognised(source, dialect, options)
     language = found.controller.language if found.controller is not None else found.dialect
     if language not in LANGUAGES:
@@ -212,14 +212,38 @@ def check(job: Job, feeds: _BlockFeeds, new: Rewritten, again: ToolPath) -> None
             )
 
 
+def rotary_speed(toolpath: ToolPath, machine: Machine) -> Floats:
+    """(points,) most speed of the tip on the way to each point by the velocity limits of the rotary joints [m/s]; inf
+    where none turns, or the program does not tell where they are."""
+    found = np.full(len(toolpath), math.inf)
+    if toolpath.rotary is not None:
+        limits = machine.limits.velocity[[machine.joints.index(name) for name in toolpath.rotary_joints]]
+        times = (np.abs(np.diff(toolpath.rotary, axis=0)) / limits).max(axis=1, initial=0.0)
+        np.divide(toolpath.way_length[1:], times, out=found[1:], where=times > 0.0)
+    return found
+
+
 class _BlockFeeds:
     """The feeds of a plan, block by block."""
 
-    def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan) -> None:
-        self.toolpath, self.passes = toolpath, passes
-        self.own = toolpath.most_speed
-        self.ends, self.values = ends_of_pieces(list(plan.places), list(plan.feeds), self.own)
-        self.way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
+    def __init__(self, toolpath: ToolPath, passes: Passes, plan: FeedPlan, machine: Machine) -> None:
+        self.passes = passes
+        speed = toolpath.most_speed
+        ends, values = ends_of_pieces(list(plan.places), list(plan.feeds), speed)
+        last = len(toolpath) - 1.0
+        edges = np.unique(np.concatenate([np.arange(last + 1.0), ends[(ends > 0.0) & (ends < last)]]))
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        point = np.ceil(middle).astype(np.int64)
+        way = np.concatenate([[0.0], np.cumsum(toolpath.way_length[1:])])
+        # pieces of one feed between two points: ways [m], feeds [m/s], the program's own speeds [m/s]
+        self.way = np.diff(np.interp(edges, np.arange(last + 1.0), way))
+        planned = np.append(values, np.nan)[np.minimum(np.searchsorted(ends, middle, side="left"), len(values))]
+        self.own = speed[point]
+        # an F that no rotary joint can follow is a promise that nothing keeps
+        self.feed = np.minimum(planned, np.maximum(self.own, rotary_speed(toolpath, machine)[point]))
+        # of a cycle the ways at feed
+        self.moves = (self.way > 0.0) & ~toolpath.rapid[point]
+        self.first, self.last = (np.searchsorted(edges, each) for each in (passes.first - 1.0, passes.last * 1.0))
 
     def divided(self, source: Source) -> Divisions:
         """Those that are worth it."""
@@ -236,28 +260,29 @@ class _BlockFeeds:
 
     def times(self, divided: Collection[int]) -> Floats:
         """(k,) time of each pass at the feeds on its way [s]; 0 of those that keep their text."""
-        found = np.zeros(len(self.passes.block))
-        for k in range(len(found)):
-            ratio = self.least_ratio(k)
-            raised = ratio >= 1.0 + LEAST_CHANGE or int(self.passes.block[k]) in divided
-            if self.lowered[k] or (raised and math.isfinite(ratio)):
-                found[k] = self.planned_time(k)
+        raised = (self.least_ratio >= 1.0 + LEAST_CHANGE) | np.isin(self.passes.block, list(divided))
+        found = np.zeros(len(raised))
+        for k in np.flatnonzero((self.lowered | raised) & np.isfinite(self.least_ratio)).tolist():
+            found[k] = self.planned_time(k)
         return found
 
     @cached_property
     def lowered(self) -> Bools:
         """(k,) passes of which a feed is below the program's somewhere."""
-        return np.array([self.least_ratio(k) < 1.0 - ROUND for k in range(len(self.passes.block))])
+        found: Bools = self.least_ratio < 1.0 - ROUND
+        return found
 
-    def least_ratio(self, k: int) -> float:
-        """The least ratio along pass k of a feed to the program's own; inf where none is planned.
+    @cached_property
+    def least_ratio(self) -> Floats:
+        """(k,) the least ratio along each pass of a feed to the program's own; inf where none is planned.
 
         Where rotary joints set the pace the tip's own speed changes within a block, and one F scales all of it.
         """
-        if self.passes.rapid[k]:
-            return math.inf
-        _, feeds, own = self.pieces_of(k)
-        return float((feeds / own).min(initial=math.inf))
+        planned = np.isfinite(self.feed) & (self.feed > 0.0) & np.isfinite(self.own)
+        ratio = np.full(len(planned), math.inf)
+        np.divide(self.feed, self.own, out=ratio, where=self.moves & planned)
+        unplanned = np.logical_or.reduceat(self.moves & ~planned, self.first)
+        return np.where(unplanned | self.passes.rapid, math.inf, np.minimum.reduceat(ratio, self.first))
 
     def planned_time(self, k: int) -> float:
         """What pass k takes with the highest F that is nowhere above the plan [s]."""
@@ -267,19 +292,12 @@ class _BlockFeeds:
     def pieces_of(self, k: int) -> tuple[Floats, Floats, Floats]:
         """Ways [m], feeds [m/s] and the program's own speeds [m/s] of the pieces of pass k, each of one feed between
         two points; none where the tip stands, or a feed is not known."""
-        begin, end = float(self.passes.first[k] - 1), float(self.passes.last[k])
-        inside = self.ends[(self.ends > begin) & (self.ends < end)]
-        edges = np.unique(np.concatenate([np.arange(begin, end + 1.0), inside]))
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        piece = np.searchsorted(self.ends, middle, side="left")
-        feeds = np.append(self.values, np.nan)[np.minimum(piece, len(self.values))]
-        way = np.diff(np.interp(edges, np.arange(len(self.way)), self.way))
-        own = self.own[np.ceil(middle).astype(np.int64)]
-        # of a cycle the ways at feed
-        there = (way > 0.0) & ~self.toolpath.rapid[np.ceil(middle).astype(np.int64)]
-        if not there.any() or not (np.isfinite(feeds) & (feeds > 0.0) & np.isfinite(own))[there].all():
+        pieces = slice(self.first[k], self.last[k])
+        there = self.moves[pieces]
+        way, feeds, own = (each[pieces][there] for each in (self.way, self.feed, self.own))
+        if not (np.isfinite(feeds) & (feeds > 0.0) & np.isfinite(own)).all():
             return np.zeros(0), np.zeros(0), np.zeros(0)
-        return way[there], feeds[there], own[there]
+        return way, feeds, own
 
     def gain(self, way: Floats, feeds: Floats) -> float:
         """Time that pieces of their own take less than the lowest feed all along [s]."""
