@@ -93,7 +93,7 @@ def new_feeds(
     rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
 
     def tools_of(toolpath: ToolPath) -> list[ToolFigures | None]:
-        return [options.setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+        return [options.setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
 
     def check(toolpath: ToolPath) -> None:
         rules.check(toolpath)
