@@ -168,7 +168,7 @@ def test_what_a_table_adds_goes_before_the_program_and_must_not_contradict_it():
     setup = setup_of_text("[tools.1]\nflute_length = 20\ncorner_radius = 2\nteeth = 3\n")
     found = setup.figures_of("1", TOLD)
     assert (found.flute_length, found.corner_radius, found.teeth) == (20 * MM, 2 * MM, 3)
-    with pytest.raises(UsageError, match="part.apt:4: flute_length of 38 mm is more than the stick_out of 30 mm"):
+    with pytest.raises(UsageError, match=r"part\.apt:4: flute_length of 38 mm is more than the stick_out of 30 mm"):
         setup_of_text("[tools.1]\nstick_out = 30\n").figures_of("1", TOLD)
 
 
