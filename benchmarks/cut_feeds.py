@@ -113,7 +113,10 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
             began = time.process_time()
             rules = rules_of(case, way).for_machine(machine)
             plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached)
-            written = with_cut_feeds(source, machine, None, options, cut.toolpath, plan)
+            written = with_cut_feeds(
+                source, machine, None, options, cut.toolpath, plan,
+                times=lambda path: ControlSpeeds.of(path, machine, figures).times,
+            )  # fmt: skip
             seconds, data = time.process_time() - began, written.data
             words = [str(written.changed), str(written.divided)]
             if keep is not None:
