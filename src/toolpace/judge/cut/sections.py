@@ -119,13 +119,14 @@ class Surface:
         self.stock = stock
         self.swept = SweptTools(near(motion, k, poses, shapes), poses, shapes)
 
-    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0) -> Bools:
+    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0, room: float = 0.0) -> Bools:
         """(m, k) whether it moves into material at lengths (m,) of the meridian [m] and angles (m, k) or (k,) [rad];
-        into that of a stock which is larger by a margin [m]."""
+        into that of a stock which is larger by a margin [m], and of which earlier tools have left more by `room` [m].
+        """
         found: Bools = self.motion.outwards(length, angle) > 0.0
         place = self.motion.place(length, angle)[found]
         inside = self.stock(place, margin)
-        inside[inside] = ~self.swept(place[inside])
+        inside[inside] = ~self.swept(place[inside], GAP + room)
         found[found] = inside
         return found
 
@@ -155,10 +156,12 @@ class Surface:
         edges = bands_of(self.shape, self.top())
         return Section(edges, self.arcs(edges.mean(axis=1)))
 
-    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0) -> Bools:
+    def seen_at(
+        self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0, room: float = 0.0
+    ) -> Bools:
         """(m, count) whether it is in material at lengths (m,), at so many angles from the first on; see
         `in_material`."""
-        return self.in_material(lengths, first + (np.arange(count) + 0.5) * TURN / count, margin)
+        return self.in_material(lengths, first + (np.arange(count) + 0.5) * TURN / count, margin, room)
 
     def arcs(self, lengths: Floats) -> tuple[tuple[int, float, float], ...]:
         """Those at lengths (m,): which, entry and exit [rad]."""
@@ -245,8 +248,8 @@ class SweptTools:
         self.poses = ToolPoses(poses.tip[some], poses.axis[some], poses.tool[some])
         self.groups = groups(self.poses, self.solids)
 
-    def __call__(self, place: Floats) -> Bools:
-        """(k,) which points (k, 3) one has been at."""
+    def __call__(self, place: Floats, depth: float = GAP) -> Bools:
+        """(k,) which points (k, 3) one has been at, deeper than a depth within it [m]."""
         from toolpace.kernels.judge.swept_tools import reached
 
-        return reached(place, self.poses, self.groups, self.solids, GAP)
+        return reached(place, self.poses, self.groups, self.solids, depth)
