@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class Poses:
     tool: Ints
     """(n,) index of the shape; -1 where it has none."""
 
+    @cached_property
     def boxes(self) -> tuple[Floats, Floats]:
         """Least and most tip (blocks, 3) of each BLOCK of them, whatever the tool."""
         first = np.arange(0, len(self.tip), BLOCK)
@@ -214,7 +216,7 @@ def near(motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...]) ->
     widest = np.array([shape.widest for shape in shapes] + [0.0])
     reach = np.array([shape.reach for shape in shapes] + [0.0])
     own = motion.shape
-    low, high = poses.boxes()
+    low, high = poses.boxes
     room = own.widest + own.reach + float(widest.max()) + float(reach.max())
     box = np.flatnonzero(((low <= motion.tip + room) & (high >= motion.tip - room)).all(axis=1))
     rows = (box[:, None] * BLOCK + np.arange(BLOCK)).ravel()

@@ -39,8 +39,8 @@ class Seen(NamedTuple):
     everywhere: Bools
     """(slices, ANGLES) whether it is in material at all places within a cell."""
     anywhere: Bools
-    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise, and by how well the tip is
-    known."""
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise, and by how well the tip
+    is known."""
 
 
 def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
