@@ -58,6 +58,8 @@ class NewFeeds:
     before: ProgramTime
     after: ProgramTime
     reached: Reached
+    turned: ToolPath
+    """The program as it was, with the spindle speeds after."""
     largest: tuple[LargestLoad, ...]
     """By tool and kind, at the speeds reached; of tools whose teeth and spindle speed are known."""
     spindle: tuple[OperationSpeed, ...] = ()
@@ -91,7 +93,7 @@ def new_feeds(
     rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
 
     def tools_of(toolpath: ToolPath) -> list[ToolFigures | None]:
-        return [options.setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+        return [options.setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
 
     def check(toolpath: ToolPath) -> None:
         rules.check(toolpath)
@@ -133,7 +135,7 @@ def new_feeds(
         largest = largest_loads(old, new, *reached)
     name = found.controller.name if found.controller is not None else ""
     return NewFeeds(
-        program, name, figures.model, cut, rules, plan, written, before, after, reached, largest, speeds
+        program, name, figures.model, cut, rules, plan, written, before, after, reached, toolpath, largest, speeds
     )
 
 

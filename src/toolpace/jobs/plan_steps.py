@@ -186,7 +186,7 @@ def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
     stiff = replace(job, tool=None, effort="low")
     trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
     simulation = motion_cut.cut_motion(setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES)
-    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    tools = [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
     with steps.step("forces"):
         tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
     return replace(job, tool=tool)

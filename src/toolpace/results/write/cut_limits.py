@@ -110,7 +110,7 @@ def spindle_curves(spindle: SpindleFigures) -> dict[str, list[tuple[float, float
 
 def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
     """The figures of the tool of each operation."""
-    return [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    return [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
 
 
 def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
