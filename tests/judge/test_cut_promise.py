@@ -26,8 +26,9 @@ from toolpace.judge.cut.stations import columns_check, covered_check, passed_aga
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
+from toolpace.programs.stock_figures import Solid
 from toolpace.programs.tolerances import Tolerances
-from toolpace.results.write.cut_limits import checked, cut_arrays, cut_bytes, cut_record
+from toolpace.results.write.cut_limits import checked, cut_arrays, cut_bytes, cut_record, input_digests
 from toolpace.results.write.cut_promise import NOTHING_STATED, StatedPromise, judged_cut, promise_of, told_checks
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
@@ -168,6 +169,18 @@ def test_another_sheet_than_that_of_the_plan_is_found(name):
     sheet, word = SHEETS[name]
     found = findings(told_checks(planned()[2], SLOT.toolpath(), sheet, NOTHING_STATED))
     assert found and word in " ".join(found)
+
+
+def test_another_mesh_of_the_stock_is_found_wherever_it_is(tmp_path):
+    def digest(name, data, unit="mm"):
+        file = tmp_path / name
+        file.write_bytes(data)
+        solid = Solid(mesh=file, mesh_unit=unit)
+        return input_digests(SLOT.toolpath(), other_stock(solid=solid))["stock"]
+
+    first = digest("a.stl", b"solid")
+    assert digest("b.stl", b"solid") == first
+    assert first not in (digest("a.stl", b"other"), digest("b.stl", b"solid", "inch"))
 
 
 @pytest.mark.parametrize(
