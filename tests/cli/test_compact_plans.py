@@ -46,6 +46,7 @@ def again(plans, tmp_path):
     return Tamper(folder)
 
 
+@pytest.mark.sweep
 def test_both_forms_hold_the_same_bits(plans):
     full, compact = (tp.read_set_points(plans / form) for form in ("full", "compact"))
     for each in fields(SetPoints):
@@ -54,6 +55,7 @@ def test_both_forms_hold_the_same_bits(plans):
     assert not (plans / "compact" / "setpoints.npz").exists()
 
 
+@pytest.mark.sweep
 def test_the_full_file_is_told_by_default_and_by_the_words_of_before(plans, tmp_path, capsys):
     for words in ([], ["--npz", "all"], ["--npz", "none"]):
         assert main(["plan", str(plans / "blade.ngc"), *PLAN, *words, "--out", str(tmp_path / "out")]) == 0

@@ -199,6 +199,9 @@ def usage_table(record: PlanRecord) -> Table:
     if usage.motor:
         of_motors = (_percent(usage.motor[joint]) if joint in usage.motor else Text("-") for joint in usage.velocity)
         table.add_row("torque, force", *of_motors)
+    if usage.continuous:
+        rated = (_percent(usage.continuous[joint]) if joint in usage.continuous else "" for joint in usage.velocity)
+        table.add_row("  continuously", *rated)
     if usage.feed > 0.0:
         table.add_row("feed", _percent(usage.feed), *[""] * (len(usage.velocity) - 1))
     return table

@@ -43,7 +43,7 @@ class LineRows(NamedTuple):
     ahead: Floats
     """(points,) how far beyond a point acceleration is held."""
 
-    def at(self, which: slice) -> LineRows:
+    def at(self, which: slice | Bools) -> LineRows:
         """Those of some points."""
         rows, height, fall, ahead = (part[which] for part in self[2:])
         return self._replace(rows=rows, height=height, fall=fall, ahead=ahead)
