@@ -38,8 +38,10 @@ DIGITS = 3
 """Significant figures of an F: rounded down."""
 SHORTEST_PIECE = 2e-3
 """Of a block that is divided [m]."""
-WORTH = 0.2
-"""Time that dividing a block gains at least [s]."""
+WORTH, PIECE_PAYS = 0.2, 0.05
+"""Time that dividing a block gains at least, and that each piece of it does [s]."""
+FIRST = 1e9
+"""By which pieces that are too short come before others [s]."""
 PAYS = 0.02
 """Time that neighbouring blocks with a higher feed gain together on the control at least [s]."""
 ROUND = 1e-6
@@ -309,14 +311,13 @@ class _BlockFeeds:
             return np.zeros(0)
         way, feeds, _ = self.pieces_of(k)
         while len(way) > 1:
-            short = int(way.argmin())
-            if way[short] >= SHORTEST_PIECE:
+            least = np.minimum(feeds[:-1], feeds[1:])
+            lost = (way[:-1] + way[1:]) / least - way[:-1] / feeds[:-1] - way[1:] / feeds[1:]
+            short = np.minimum(way[:-1], way[1:]) < SHORTEST_PIECE
+            first = int(np.where(short, lost - FIRST, lost).argmin())
+            if not short[first] and lost[first] >= PIECE_PAYS:
                 break
-            # what is too short goes with the slower of its neighbours
-            beside = [j for j in (short - 1, short + 1) if 0 <= j < len(way)]
-            to = min(beside, key=lambda j: float(feeds[j]))
-            first = min(short, to)
-            feeds[first] = min(feeds[short], feeds[to])
+            feeds[first] = least[first]
             way[first] += way[first + 1]
             way, feeds = np.delete(way, first + 1), np.delete(feeds, first + 1)
         if len(way) < 2 or self.gain(way, feeds) < WORTH:
