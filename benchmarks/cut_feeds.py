@@ -106,7 +106,8 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
     cut = cut_program(str(program), request, TimedSteps(), None, lambda operation, stock: None)
     seconds = time.process_time() - began
     tools = [options.setup.figures_of(each.tool, each.figures) for each in cut.toolpath.operations]
-    reached = ControlSpeeds.of(cut.toolpath, machine, figures_for(options, None)).mean
+    figures = figures_for(options, None)
+    reached = ControlSpeeds.of(cut.toolpath, machine, figures).mean
     for way in ways:
         words, data = ["", ""], source.data
         if way != "program":

@@ -142,8 +142,8 @@ def check_chain(chain: Chain, source: str) -> None:
         )
     if not math.hypot(*chain.gravity) <= STRONGEST:
         raise MachineError(
-            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most {STRONGEST:g} "
-            "together, whatever the units of the file"
+            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most "
+            f"{STRONGEST:g} together, whatever the units of the file"
         )
 
 
