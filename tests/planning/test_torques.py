@@ -18,6 +18,7 @@ from toolpace.machine.limit_curves import LimitCurve
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
+from toolpace.planning.bound.relaxation import coefficients_of
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 from toolpace.results.write.plan_json import usage_record
@@ -75,23 +76,26 @@ def compared_with_ipopt(seed, joints):
     law, _ = fastest_law(path.runs[0], limits, cells=100, guard=False)
     best = ipopt.optimum(path, limits, 100)
     assert best.note == ipopt.SUCCEEDED
+    # where viscous friction helps to brake, the tangent of a limit lies outside: at the last law it must touch
+    assert best.problem.exceeded_by(coefficients_of(law.nodes, law.cells)) < 1e-6
     return law.duration / best.law.duration
 
 
-def test_motions_with_torques_are_ipopts_optimum():
-    assert abs(compared_with_ipopt(3, 2) - 1.0) < 1e-4
+@pytest.mark.parametrize("seed, joints", [(3, 2), (58, 3)])
+def test_motions_with_torques_are_ipopts_optimum(seed, joints):
+    assert abs(compared_with_ipopt(seed, joints) - 1.0) < 1e-5
 
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(40, 44))
 def test_motions_with_torques_are_ipopts_optimum_on_many(seed):
-    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-4
+    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-5
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(44, 104))
 def test_motions_with_torques_are_ipopts_optimum_on_sixty(seed):
-    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-4
+    assert abs(compared_with_ipopt(seed, 1 + seed % 7) - 1.0) < 1e-5
 
 
 def test_the_price_of_a_torque_is_what_one_percent_more_gains():

@@ -73,8 +73,8 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     verification = verify_motion(steps, sampled.judge)
     cut_limits = None
     if limits is not None:
-        cut_limits = write.cut_part(within_cut, limits.rules)
-        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
+        cut_limits = write.cut_part(within_cut, limits.rules, job.options.setup, limits.material)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, toolpath, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -188,7 +188,7 @@ def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
     stiff = replace(job, tool=None, effort="low")
     trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
     simulation = motion_cut.cut_motion(setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES)
-    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    tools = [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
     with steps.step("forces"):
         tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
     return replace(job, tool=tool)

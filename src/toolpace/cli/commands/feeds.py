@@ -15,7 +15,7 @@ from toolpace.cli import options
 from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
 from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
 from toolpace.common.errors import UsageError, did_you_mean, printable
-from toolpace.common.units import format_time, parse_feed, parse_length
+from toolpace.common.units import format_figure, format_time, parse_feed, parse_length
 
 if TYPE_CHECKING:
     from toolpace.controls.timing.program_time import ProgramTime
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace.jobs.cut_options import CutOptions
     from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
+    from toolpace.results.write import StatedPromise
 
 SPINDLE = ("program", "range")
 SHOWN = 8
@@ -171,10 +172,39 @@ class AllowedInPlan(Allowed):
         if bend is not None:
             # what is compensated counts by what is left of it
             rules = replace(rules, limits={tool: each.compensated for tool, each in rules.limits.items()})
-        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory))
+        return CutOptions(rules, parse_length(self.margin), cell_size, size(memory), self.material or "")
 
 
 AS_PROGRAMMED = AllowedInPlan()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class StatedCut:
+    """What a plan's cut was promised to be."""
+
+    limit: Limits | None = None
+    max_deflection: Annotated[
+        str | None, Parameter(help="Most deflection that is left on the surface, as the plan was to hold it: 20um.")
+    ] = None
+    material: Annotated[
+        str | None, Parameter(help="What is cut: Al7075-T6, or a file of coefficients (.toml).")
+    ] = None
+
+    def promise(self) -> StatedPromise:
+        """The same, read. Raises UsageError."""
+        from toolpace.jobs.cut_options import cut_limits
+        from toolpace.results.write import StatedPromise
+
+        most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
+        limits = cut_limits([*(self.limit or []), *most])
+        return StatedPromise(
+            {tool: {name: getattr(each, name) for name in each.names} for tool, each in limits.items()} or None,
+            None if self.material is None else coefficients_of(self.material),
+        )
+
+
+NOTHING_STATED = StatedCut()
 
 
 def feeds_command(
@@ -296,7 +326,7 @@ def show_feeds(console: Console, found: NewFeeds) -> None:
         console.print(Text(printable(note)), soft_wrap=True)
     console.print(
         f"{counted(found.written.changed, 'block')} with another feed, {found.written.divided} divided; by the model "
-        f"{found.model} {_with_range(found.before)} becomes {_with_range(found.after)}, {100.0 * saved:.1f} % less",
+        f"{found.model} {_with_range(found.before)} becomes {_with_range(found.after)}, {_less(saved)}",
         soft_wrap=True,
     )
     table = new_table(["operation", "tool", "before", "after", "less"], left=("operation", "tool"))
@@ -344,17 +374,15 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
         console.print(f"faster than allowed, since their motions have no single F: lines {lines}", soft_wrap=True)
     scales = {"chip": ("chip", 1e3, "mm"), "removal_rate": ("removal", 6e7, "cm3/min"), "force": ("force", 1.0, "N")}
     scales |= {"torque": ("torque", 1.0, "Nm"), "power": ("power", 1.0, "W"), "deflection": ("deflection", 1e6, "um")}
-    if found.plan.largest:
-        table = new_table(["tool", "largest", "before", "planned"], left=("tool", "largest"))
-        for load in found.plan.largest:
+    if found.largest:
+        table = new_table(["tool", "largest", "before", "after"], left=("tool", "largest"))
+        for load in found.largest:
             name, scale, unit = scales[load.kind]
-            words = [f"{scale * each:.3g} {unit}" for each in (load.before, load.after)]
+            words = [f"{format_figure(scale * each)} {unit}" for each in (load.before, load.after)]
             table.add_row(*cells([load.tool or "-", name, *words]))
         console.print(table)
     for kept in found.plan.kept:
-        where = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in kept.lines[:SHOWN])
-        where += ", ..." if len(kept.lines) > SHOWN else ""
-        console.print(f"as it was for {format_time(kept.seconds)}: {kept.reason}; lines {where}", soft_wrap=True)
+        console.print(kept.told(SHOWN), soft_wrap=True)
     for teacher in (listed := by_line(found.plan.teachers))[:SHOWN]:
         where = f"{printable(teacher.program)}, " * bool(teacher.program) + f"line {teacher.line}"
         console.print(
@@ -371,6 +399,12 @@ def _show_loads(console: Console, found: NewFeeds) -> None:
         else:
             told = f"the program's feed is {over.share:.3g} times {what}"
         console.print(f"line {over.line}, tool {printable(over.tool)}: {told}", soft_wrap=True)
+
+
+def _less(share: float) -> str:
+    """A share of the time that is saved, or added."""
+    percent = round(100.0 * share, 1)
+    return f"{abs(percent):.1f} % {'more' if percent < 0.0 else 'less'}"
 
 
 def _with_range(time: ProgramTime) -> str:
