@@ -227,7 +227,9 @@ def feeds_command(
     effort: options.Effort = "normal",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
-    json: options.Json = False,
+    json: Annotated[
+        bool, options.Switch, Parameter(name="--json", help="Print what was found as JSON: one object.")
+    ] = False,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
     """Write a program anew with the feeds that its cut allows.
