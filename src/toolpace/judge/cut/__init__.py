@@ -35,7 +35,7 @@ SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
-STEADY, REACHED = 5, 0.95
+STEADY, REACHED = 5, 0.97
 """Places at which it is looked whether a limit that sets the speed is reached, and the share that must be: cells may
 tell an engagement too high."""
 UNITS = {
@@ -194,7 +194,8 @@ def reached_checks(judge: CutJudge, file: CutFile) -> list[Check]:
     stations, rows = passed_stations(judge, file)
     held = (most[stations] > 0.0) & ((promise.feeds == "limits") | (most[stations] > (1.0 + SPEED) * judge.feed[rows]))
     stations, rows = stations[held], rows[held]
-    changes, rng = np.abs(np.gradient(most))[stations] / most[stations], np.random.default_rng(len(most))
+    beside = np.abs(np.append(most[1:], most[-1:]) - np.append(most[:1], most[:-1]))
+    changes, rng = beside[stations] / most[stations], np.random.default_rng(len(most))
     source, found = np.asarray(file["station limit"], dtype=np.int64)[stations], []
     for index in np.unique(source).tolist():
         name, some = str(file["names"][index]), np.flatnonzero(source == index)

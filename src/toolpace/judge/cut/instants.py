@@ -106,7 +106,7 @@ class CutJudge:
         self.beams = [None if tool is None or tool.stick_out is None else ToolBeam(tool) for tool in promise.tools]
         self.operation, self.rapid = self._of_blocks()
         self.poses, self.row = self._poses()
-        self._found: dict[tuple[int, float], Instant] = {}
+        self._found: dict[tuple[int, float | None], Instant] = {}
 
     @property
     def unseen(self) -> list[str]:
@@ -178,23 +178,27 @@ class CutJudge:
 
     def instant(self, row: int, speed: float | None = None) -> Instant:
         """What is found at a set-point; what would be, were the tip as fast as a `speed` [m/s]."""
-        speed = float(self.speed[row]) if speed is None else speed
         if (row, speed) not in self._found:
             surface, points, tool = self.surface(row), self.points, self.tool_at(row)
+            own = float(self.speed[row])
+            times = 1.0 if speed is None else speed / own
+            # what is compensated is the deflection at the speed of the motion
+            give = self.give[row] if speed is None and self.give is not None else None
             self._found[row, speed] = Instant(
-                row, float(points.t[row]), int(points.block[row]), tool, speed, float(self.feed[row]),
+                row, float(points.t[row]), int(points.block[row]), tool, times * own, float(self.feed[row]),
                 self.promise.limits_of(tool, self.turns(row)),
-                self.loads(row, surface, surface.section(), speed / float(self.speed[row])),
+                self.loads(row, surface, surface.section(), times, give),
             )  # fmt: skip
         return self._found[row, speed]
 
-    def loads(self, row: int, surface: Surface, section: Section, times: float) -> dict[str, float]:
-        """What the tool takes in a section at a set-point, at a multiple of its speed."""
+    def loads(
+        self, row: int, surface: Surface, section: Section, times: float, give: Floats | None
+    ) -> dict[str, float]:
+        """What the tool takes in a section at a set-point, at a multiple of its speed; give: see `loads_of`."""
         operation = int(self.operation[row])
         tool, beam = self.promise.tools[operation], self.beams[operation]
         assert tool is not None
         cutting = Cutting(tool, self.promise.coefficients_of(self.tool_at(row)), self.turns(row))
-        give = None if self.give is None else self.give[row]
         found = loads_of(section, cutting, surface.motion.times(times), beam, give)
         _, ends, _ = surface.shape.at(section.edges.ravel())
         high = max(float(np.ptp(ends)) if len(ends) else 0.0, self.promise.resolution)
