@@ -187,6 +187,7 @@ def test_nothing_is_told_of_a_way_that_is_cut_already():
     assert stock.volume() == pytest.approx(left, rel=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_helical_bore():
     turn = np.linspace(0.0, 3.3 * math.pi, 260)
     tip = np.stack([0.003 * np.cos(turn), 0.003 * np.sin(turn), -0.001 * turn / (2.0 * math.pi) + 1e-5], axis=1)
@@ -262,6 +263,7 @@ def missed(seed: int) -> tuple[float, float]:
     return (float(errors[:, 1].sum()), float(errors[:, 0].sum())) if len(errors) else (0.0, 0.0)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", [1])
 def test_random_motions_in_what_they_have_cut_themselves(seed):
     wrong, whole = missed(seed)

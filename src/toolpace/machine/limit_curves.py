@@ -86,7 +86,7 @@ class LimitCurve(ByValue):
         least is the curve, at speeds up to `most`, as far as it lies below `top`.
 
         The choices of a piece are the lines that lie nowhere above the curve over that piece (Ovchinnikov 2002): it
-        alone, where the curve is concave.
+        alone, where the curve is concave. All pieces of a part that is convex have the same, and are one.
         """
         v, a = self.speed, self.limit
         fall = np.append((a[:-1] - a[1:]) / np.diff(v), 0.0)
@@ -95,12 +95,14 @@ class LimitCurve(ByValue):
         used = np.flatnonzero((v < most) & ~((fall == 0.0) & (height >= top)))
         if not len(used):
             used = np.array([0])
-        choices = []
+        pieces: list[frozenset[int]] = []
         for j in used.tolist():
             at = np.array([v[j], ends[j] if np.isfinite(ends[j]) else v[j]])
             own = (height[j] - fall[j] * at) * (1.0 + ALIKE)
-            below = [i for i in used.tolist() if (height[i] - fall[i] * at <= own).all()]
-            choices.append([j, *(i for i in below if i != j)])
+            pieces.append(frozenset(i for i in used.tolist() if i == j or (height[i] - fall[i] * at <= own).all()))
+        # one that has all choices of another lies nowhere below it
+        fewest = [one for one in dict.fromkeys(pieces) if not any(other < one for other in pieces)]
+        choices = [sorted(one) for one in fewest]
         width = max(map(len, choices))
         which = np.array([row + row[:1] * (width - len(row)) for row in choices])
         return np.stack([height[which], fall[which]], axis=2)

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-import itertools
 from copy import copy
 
 import numpy as np
 import numpy.typing as npt
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value, lowest_with_root
+from toolpace.planning.bound.falling_limits import least_over_choices, lifted, limits_at, planes_above
 from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
 
 START_SHARE = 0.4
 """Share of a plan's z at which the relaxation is started."""
-HALVINGS = 60
-"""Of an interval in which a least value is looked for."""
 ROUNDING = 1e-13
 """Share of the sums that a bound with several lines for a piece is charged for rounding."""
-TELLS = 1e-6
-"""Share of the price of the pace from which that of sqrt(z) at the highest z makes a difference between such lines."""
+TELLS = 1e-9
+"""Share of a knot's time that the prices of such limits must be worth for a difference between such lines."""
 LEAST_ROOM = 0.7
 """Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
 other side, where it is held as well."""
+NEAR = 0.5
+"""Share of such a limit from which a row is held in the relaxation."""
 SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
 PADDING = 40
@@ -51,6 +51,8 @@ class Knots:
         if self.lines is not None:
             self._take_lines(self.lines)
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
+        self.one_sided = np.zeros(0, dtype=np.int64)
+        """Columns of rows of which the other side is no limit: it has no multipliers."""
 
     def as_knots(self) -> KnotRows:
         """The problem as the kernels take it."""
@@ -64,86 +66,106 @@ class Knots:
         self.shift, self.root = np.zeros(self.rows.shape[:2]), np.zeros(self.rows.shape[:2])
         self.rows[:, lines.column], self.shift[:, lines.column], self.root[:, lines.column] = rows, shift, root
 
-    def _local(self, x: Floats) -> tuple[Floats, Floats]:
-        """(points, k) constants and multiples of sqrt(z) of the rows of acceleration by their largest lines at x
-        (points, k); those of jerk as they are."""
-        assert self.lines is not None
-        shift, root = self.shift[:, self.lines.column], self.root[:, self.lines.column]
-        height, fall = self.lines.chosen(x)
-        scale = np.abs(self.lines.height.max(axis=2)) + 1.0
-        is_jerk = self.lines.is_jerk
-        return np.where(is_jerk, shift, 1.0 - height / scale), np.where(is_jerk, root, fall / scale)
-
     def _gained_by_choices(self, dual: Floats, kappa: Floats, theta: Floats, high: Floats) -> float:
         """What the dual function gains where the largest of several lines counts, over one line above all of them."""
         lines = self.lines
         assert lines is not None
         price = dual[:, lines.column, 0] - dual[:, lines.column, 1]
-        price[:, lines.is_jerk] = 0.0
-        scale = np.abs(lines.height.max(axis=2)) + 1.0
-        root = self.by_knot((price * self.root[:, lines.column]).sum(axis=1))
-        some = root * high > TELLS * np.maximum(kappa, 0.0)
+        shift, root = self.shift[:, lines.column], self.root[:, lines.column]
+        points, top = np.diff(self.first), np.sqrt(high)
+        worth = np.where(lines.is_jerk, price / np.repeat(top, points)[:, None], price).sum(axis=1)
+        some = self.by_knot(worth) * top > TELLS * self.weight
         some[[0, -1]] &= self.end == newton.REST
-        point = np.repeat(some, np.diff(self.first))
-        first = np.concatenate([[0], np.cumsum(np.diff(self.first)[some])])
+        point = np.repeat(some, points)
         if not some.any():
             return 0.0
-        of_points = (part[point] for part in (price / scale, lines.height, lines.fall))
-        exact = least_over_choices(kappa[some], theta[some], np.sqrt(high[some]), first, *of_points)
         # with the constants of the one line, which the dual function has counted
-        counted = self.by_knot((price * (self.shift[:, lines.column] - 1.0)).sum(axis=1))[some]
-        before = np.empty(len(exact))
-        for k, (a, b, c, d) in enumerate(zip(kappa[some], theta[some], root[some], high[some])):
+        constants = np.where(lines.is_jerk, shift, shift - 1.0)
+        counted = self.by_knot((price * constants).sum(axis=1))[some]
+        roots = self.by_knot((price * root).sum(axis=1))[some]
+        before = np.empty(len(counted))
+        for k, (a, b, c, d) in enumerate(zip(kappa[some], theta[some], roots, high[some])):
             before[k] = lowest_with_root(a, b, c, 0.0, d)
+        # that line took its whole height at rest off the price of the pace
+        price = (price / self._scale())[point]
+        paid = np.where(lines.is_jerk, price * lines.height[point].max(axis=2), 0.0).sum(axis=1)
+        first = np.concatenate([[0], np.cumsum(points[some])])
+        own = kappa[some] + np.add.reduceat(paid, first[:-1])
+        exact = least_over_choices(lines.at(point), price, own, theta[some], top[some], first)
         gained = exact - counted - before
         return float(gained.sum() - ROUNDING * (np.abs(exact) + np.abs(before) + np.abs(counted)).sum())
 
-    def linear(self, c: Floats, local: bool = False) -> tuple[KnotRows, Floats]:
-        """The same for the relaxation, sqrt(z) made linear at coefficients c (n + 2,), and (points, k) the factors of
-        `multipliers`. It gives multipliers; the bound is theirs in the problem itself. `local`: by the largest of
-        several lines there, not by the one line above all of them.
+    def _scale(self) -> Floats:
+        """(points, k) what the rows whose limits depend on the speed are divided by."""
+        assert self.lines is not None
+        height = np.abs(self.lines.height.max(axis=2))
+        scale: Floats = np.where(self.lines.is_jerk, height, height + 1.0)
+        return scale
 
-        Near its limit a row takes sqrt(z) for the inverse of the pace p, of which the wait is a part. The tangent is
-        linear in p, so that the row becomes one of jerk,
+    def within_planes(self, c: Floats, speeds: list[Floats], exact: bool = False) -> tuple[Knots, Floats]:
+        """The problem with planes for the limits that depend on the speed, and (points, planes, k) the factors of
+        `multipliers`. With `exact` they are nowhere below the limits, so that what it takes is a bound by itself;
+        else the bound is that of the multipliers in the problem itself.
 
-            (r . u + shift + 2 root x - 1) / (root x^2) <= p                                    at sqrt(z) = x
+        Near its limit at coefficients c (n + 2,) a row is one of jerk, by each plane that touches the limit at one of
+        `speeds`, ds/dt (n,) at the knots:
 
-        which holds on its other side, too, far from the plan. Elsewhere it is linear in z.
+            (r . u - by_z z - constant) / by_pace <= p
+
+        It holds on its other side, too: far from the plan, as the pace counts enough. Elsewhere it is left out.
         """
-        if self.lines is None:
-            return self.as_knots(), np.empty((0, 0))
-        u, column, half = self.state(c), self.lines.column, self.rows.shape[1] // 2
-        x = np.sqrt(np.repeat(u[:, 0], np.diff(self.first)))[:, None]
-        rows, shift, root = self.rows[:, column], self.shift[:, column], self.root[:, column]
-        if local:
-            shift, root = self._local(x + np.zeros(len(column)))
-        limit, by_pace = 1.0 - shift - root * x, root * x * x
-        value = np.einsum("pki,pi->pk", rows, np.repeat(u, np.diff(self.first), axis=0))
-        near = (value > limit - 2.0 * root * x + LEAST_ROOM * limit) & (by_pace > 0.0) & ~self.lines.is_jerk
-        factor = np.where(near, 1.0 / np.where(near, by_pace, 1.0), 0.0)
-        by_z = np.where(near[:, :, None], 0.0, rows)
-        by_z[:, :, 0] += np.where(near, 0.0, root / (2.0 * x))
+        lines = self.lines
+        assert lines is not None
+        column, half = lines.column, self.rows.shape[1] // 2
+        points, none = np.diff(self.first), np.zeros(len(column))
+        u = np.repeat(self.state(c), points, axis=0)
+        value = np.einsum("pki,pi->pk", lines.rows, u)
+        high = np.repeat(np.sqrt(self.cap), points)[:, None] + none
+        rows, constants, factors = [], [], []
+        for speed in speeds:
+            x = np.repeat(speed, points)[:, None] + none
+            limit = limits_at(lines, x)
+            near = (value > NEAR * limit) & (~lines.is_jerk | (lines.height.shape[2] > 1))
+            planes = planes_above(lines, x, high, np.where(near, 0.5 * x * ((1.0 + LEAST_ROOM) * limit - value), 0.0))
+            if exact:
+                planes = lifted(lines, planes, np.sqrt(self.cap)[np.repeat(np.arange(len(points)), points)])
+            factor = np.where(near, 1.0 / np.where(near, planes.by_pace, 1.0), 0.0)
+            by_pace = lines.rows.copy()
+            by_pace[:, :, 0] -= planes.by_z
+            rows.append(factor[:, :, None] * by_pace)
+            constants.append(-factor * planes.constant)
+            factors.append(factor)
+        near = np.any(factors, axis=0)
         linear, shifts = self.rows.copy(), self.shift.copy()
-        linear[:, column], shifts[:, column] = by_z, np.where(near, 0.0, shift + root * x / 2.0)
-        none, further = np.zeros_like(rows), factor * (shift + 2.0 * root * x - 1.0)
-        whole = np.concatenate([linear[:, :half], none, linear[:, half:], factor[:, :, None] * rows], axis=1)
-        constants = np.concatenate([shifts[:, :half], none[:, :, 0], shifts[:, half:], further], axis=1)
-        return self.as_knots()._replace(rows=whole, shift=constants, root=np.empty((0, 0))), factor
+        gone = near | ~lines.is_jerk
+        linear[:, column] = np.where(gone[:, :, None], 0.0, linear[:, column])
+        shifts[:, column] = np.where(gone, 0.0, shifts[:, column])
+        more, further = np.concatenate(rows, axis=1), np.concatenate(constants, axis=1)
+        nothing = np.zeros_like(more)
+        whole = np.concatenate([linear[:, :half], nothing, linear[:, half:], more], axis=1)
+        shifts = np.concatenate([shifts[:, :half], nothing[:, :, 0], shifts[:, half:], further], axis=1)
+        part = copy(self)
+        part.rows, part.shift, part.root, part.lines = whole, shifts, np.empty((0, 0)), None
+        part.one_sided = np.arange(whole.shape[1] - more.shape[1], whole.shape[1])
+        return part, np.stack(factors, axis=1) * self._scale()[:, None]
 
-    def multipliers(self, found: Floats, factor: Floats) -> Floats:
-        """(points, rows, 2) those of the rows from those of `linear`."""
-        if self.lines is None:
-            return found
-        half, more = self.rows.shape[1] // 2, factor.shape[1]
+    def multipliers(self, found: Floats, factors: Floats) -> Floats:
+        """(points, rows, 2) those of the rows from those of `within_planes`."""
+        assert self.lines is not None
+        half, more = self.rows.shape[1] // 2, factors.shape[1] * factors.shape[2]
         out = np.concatenate([found[:, :half], found[:, half + more : 2 * half + more]], axis=1)
-        out[:, self.lines.column, 0] += factor * found[:, 2 * half + more :, 0]
+        by_pace = found[:, 2 * half + more :, 0].reshape(factors.shape)
+        out[:, self.lines.column, 0] += (factors * by_pace).sum(axis=1)
+        # the other sides of these rows are no limits
+        out[:, self.lines.column, 1] = 0.0
         return out
 
     def used(self, u: Floats) -> Floats:
         """(points, rows) value of the rows, constants with them, at z, z', z'' (n, 3)."""
         at_point = np.repeat(u, np.diff(self.first), axis=0)
         value: Floats = np.einsum("pri,pi->pr", self.rows, at_point)
-        return value + self.shift + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
+        value = value + self.shift if len(self.shift) else value
+        return value + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
 
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
@@ -212,7 +234,8 @@ class Knots:
         for j in range(3):
             np.add.at(part.price, place + j, (basis[:, :, j] * force).sum(axis=1) + basis[:, 0, j] * of_z)
         part.weight[priced] = np.maximum(worth, 0.0)
-        part.rows = part.rows[~np.repeat(priced, np.diff(part.first))]
+        kept = ~np.repeat(priced, np.diff(part.first))
+        part.rows, part.shift = part.rows[kept], part.shift[kept] if len(part.shift) else part.shift
         part.first = np.concatenate([[0], np.cumsum(np.where(priced, 0, np.diff(part.first)))])
         return part
 
@@ -228,7 +251,8 @@ class Knots:
         part.first = self.first[low : high + 2] - self.first[low]
         part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
         part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
-        part.rows = self.rows[self.first[low] : self.first[high + 1]]
+        mine = slice(self.first[low], self.first[high + 1])
+        part.rows, part.shift = self.rows[mine], self.shift[mine] if len(self.shift) else self.shift
         part.end = np.where(ends, self.end, newton.MOVING)
         part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
         for place in np.array([0, -1])[~ends]:
@@ -263,64 +287,3 @@ def start_within(
     floor = low > 0.0
     relief[floor, relaxation_work.RELIEF_FLOOR] = low[floor] * relief_of(2.0 - u[floor, 0] / low[floor])
     return start, relief
-
-
-def least_over_choices(
-    kappa: Floats, theta: Floats, top: Floats, first: Ints, price: Floats, height: Floats, fall: Floats
-) -> Floats:
-    """(n,) the least over 0 < x <= top (n,) of kappa / x + theta x^2 - sum of price times limit, at knots of which the
-    points `first` (n + 1,) begin; the limit of a row is the largest of its lines (points, k, choices) at x.
-
-    Interval by interval, between the places where another line is the largest. In an interval the slope has the sign of
-    g(x) = 2 theta x^3 + root x^2 - kappa, see `lowest_with_root`.
-    """
-    n, choices = len(kappa), height.shape[2]
-    knot = np.repeat(np.arange(n), np.diff(first))
-    meets = []
-    for i in range(choices):
-        for j in range(i):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                x = (height[:, :, i] - height[:, :, j]) / (fall[:, :, i] - fall[:, :, j])
-            meets.append(np.where((x > 0.0) & (x < top[knot][:, None]) & (price > 0.0), x, np.inf))
-    of_points = np.sort(np.concatenate(meets, axis=1), axis=1)
-    sides = int(np.diff(first).max())
-    edges = np.full((n, sides * of_points.shape[1]), np.inf)
-    side = np.arange(len(knot)) - first[knot]
-    for each in range(sides):
-        mine = side == each
-        edges[knot[mine], each * of_points.shape[1] : (each + 1) * of_points.shape[1]] = of_points[mine]
-    edges = np.sort(np.minimum(edges, top[:, None]), axis=1)
-    edges = edges[:, np.append(True, (np.diff(edges, axis=1) > 0.0).any(axis=0))]
-    edges = np.concatenate([np.zeros((n, 1)), edges, top[:, None]], axis=1)
-    best = np.full(n, np.inf)
-    for low, high in itertools.pairwise(edges.T):
-        middle = 0.5 * (low + high)[knot]
-        largest = (height - fall * middle[:, None, None]).argmax(axis=2)[:, :, None]
-        of_rows = [np.take_along_axis(part, largest, axis=2)[:, :, 0] for part in (height, fall)]
-        constant, root = (np.add.reduceat((price * part).sum(axis=1), first[:-1]) for part in of_rows)
-        inside = first_zero(kappa, theta, root, low, high)
-        for x in (low, high, inside):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                value = np.where(x > 0.0, kappa / x, np.where(kappa > 0.0, np.inf, 0.0))
-            value = value + (theta * x + root) * x - constant
-            best = np.minimum(best, np.where(high > low, value, np.inf))
-    return best
-
-
-def first_zero(kappa: Floats, theta: Floats, root: Floats, low: Floats, high: Floats) -> Floats:
-    """(n,) where 2 theta x^3 + root x^2 - kappa rises above zero between low and high (n,); high where it does not."""
-
-    def g(x: Floats) -> Floats:
-        return (2.0 * theta * x + root) * x * x - kappa
-
-    with np.errstate(divide="ignore", invalid="ignore"):
-        summit = np.where(theta < 0.0, -root / (3.0 * theta), np.inf)
-    far = np.where((summit > low) & (summit < high), summit, high)
-    crosses = (g(low) < 0.0) & (g(far) > 0.0)
-    near, far = low.copy(), np.where(crosses, far, high)
-    if crosses.any():
-        for _ in range(HALVINGS):
-            middle = 0.5 * (near + far)
-            above = g(middle) > 0.0
-            far, near = np.where(crosses & above, middle, far), np.where(crosses & ~above, middle, near)
-    return far

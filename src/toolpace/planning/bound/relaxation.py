@@ -50,6 +50,10 @@ SAMPLES = 20_000
 """Nodes from which the highest steady speed of the run is taken."""
 
 
+TOUCHED = 2
+"""How often planes are laid above limits that depend on the speed: more gain less than a tenth of a percent."""
+
+
 @dataclass(frozen=True)
 class Bound:
     """A lower bound of a run's duration, for the problem on the mesh of its plan."""
@@ -153,6 +157,9 @@ def relaxed(
     value, multipliers, wait, steps = relaxation.relax(
         knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
     )
+    if len(knots.one_sided):
+        multipliers[:, knots.one_sided, 1] = 0.0
+        value = knots.value(multipliers, low, high)
     return Relaxation(value, multipliers, wait, start, steps)
 
 
@@ -161,20 +168,19 @@ def relaxed_over_lines(
 ) -> Relaxation:
     """The same with limits that depend on the speed; `begin` are coefficients and reliefs as `start_within` finds them.
 
-    Where a piece of such a limit has several lines, by the one line above all of them, by those at the plan, and, since
-    the dual function is concave, by the mean of both, whichever gives most.
+    By planes that touch these limits where the plan is, then by further ones where that relaxation is faster.
     """
-    several = knots.lines is not None and knots.lines.height.shape[2] > 1
     found: list[Relaxation] = []
-    for local in (False, True)[: 1 + several]:
-        linear, factor = knots.linear(c, local)
+    speeds = [np.sqrt(knots.state(c)[:, 0])]
+    for _ in range(TOUCHED):
+        within, factors = knots.within_planes(c, speeds)
         start = begin[0].copy()
-        _, dual, wait, steps = relaxation.relax(linear, low, high, start, begin[1], tolerance, np.inf, MOST_STEPS)
-        dual = knots.multipliers(dual, factor)
+        _, dual, wait, steps = relaxation.relax(
+            within.as_knots(), low, high, start, begin[1], tolerance, np.inf, MOST_STEPS
+        )
+        dual = knots.multipliers(dual, factors)
         found.append(Relaxation(knots.value(dual, low, high), dual, wait, start, steps))
-    if several:
-        dual = (found[0].dual + found[1].dual) / 2.0
-        found.append(found[1]._replace(value=knots.value(dual, low, high), dual=dual))
+        speeds.append(np.sqrt(np.minimum(knots.state(start)[:, 0], knots.cap)))
     return max(found, key=lambda one: one.value)
 
 
