@@ -105,7 +105,7 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
     began = time.process_time()
     cut = cut_program(str(program), request, TimedSteps(), None, lambda operation, stock: None)
     seconds = time.process_time() - began
-    tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
+    tools = [options.setup.figures_of(each.tool, each.figures) for each in cut.toolpath.operations]
     figures = figures_for(options, None)
     reached = ControlSpeeds.of(cut.toolpath, machine, figures).mean
     for way in ways:

@@ -185,6 +185,10 @@ def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told(
     text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
     _, written = changed(text, "linuxcnc", {5: 0.01})
     assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
+    _, written = changed(text, "linuxcnc", {5: 1000.0 / 30e3})
+    assert (written.data.decode(), written.above, written.below) == (text, (), (5,))
+    # twice 30 mm in 1.8 s, at twice the feed
+    assert written.missed == pytest.approx(1.8) and "1.80 s slower" in written.told(3)[0]
 
 
 def test_a_higher_feed_that_gains_nothing_on_the_control_is_left_out():
@@ -227,6 +231,29 @@ def test_places_of_a_program_are_found_in_the_one_with_divided_blocks(seed):
     assert (along >= -1e-6).all() and (along <= length + 1e-6).all()
     off = np.linalg.norm(tip - new.tip[point - 1] - (along / length)[:, None] * way, axis=1)
     assert off.max() < 1e-8
+
+
+def test_blocks_with_one_feed_have_one_word():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nX60\nX90\nG95 X95 F0.1\nG94 X99 F1000\nM30\n"
+    _, written = changed("S6000 M3\n" + text, "linuxcnc", {4: 0.01, 5: 0.01, 6: 0.005})
+    assert "G1 X30 F600\nX60\nX90 F300\nG95 X95 F0.1\n" in written.data.decode()
+    assert written.changed == 3
+
+
+def test_cutter_location_data_keep_the_unit_of_their_feeds():
+    text = (
+        "PARTNO/A\nUNITS/INCHES\nLOADTL/1\nSPINDL/6000,RPM,CLW\nRAPID\nGOTO/0,0,1\nFEDRAT/20,IPM\nGOTO/1,0,1\n"
+        "GOTO/2,0,1\nFEDRAT/IPR,0.005\nGOTO/3,0,1\nFEDRAT/20,IPM\nGOTO/4,0,1\nFINI\n"
+    )
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions()
+    toolpath = tp.read_text(text, machine, dialect="apt")
+    own = np.where(np.isfinite(toolpath.most_speed), toolpath.most_speed, 0.0)
+    feeds = np.where(toolpath.block < 13, 2.0 * own, own)
+    plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.apt"), machine, "apt", options, toolpath, plan)
+    new = written.data.decode()
+    assert "FEDRAT/40,IPM\nGOTO/1,0,1\nGOTO/2,0,1\n" in new and "FEDRAT/IPR,0.01\nGOTO/3,0,1\n" in new
+    assert np.allclose(written.toolpath.most_speed[1:][~toolpath.rapid[1:]], feeds[1:][~toolpath.rapid[1:]])
 
 
 def test_a_table_of_points_is_refused_in_its_own_words():

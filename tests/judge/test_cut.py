@@ -15,7 +15,6 @@ from tests.support.engagements import engagement
 from tests.support.limited_plans import SLOT, limited_slot, machine
 from toolpace.cutting.feeds.limited_plan import plan_within_cut
 from toolpace.cutting.feeds.rules import FeedRules
-from toolpace.cutting.forces.tool_beam import ToolBeam
 from toolpace.cutting.stock.solids import Body
 from toolpace.cutting.tool_profile import ToolProfile
 from toolpace.judge.cut import (
@@ -25,10 +24,11 @@ from toolpace.judge.cut import (
     cut_checks,
     learned_check,
     limit_checks,
+    reached_checks,
     speed_check,
     stocks,
 )
-from toolpace.judge.cut.beam import ToolBeam as JudgedBeam
+from toolpace.judge.cut.beam import ToolBeam
 from toolpace.judge.cut.sections import Poses, Section, Surface, SweptTools, ToolMotion
 from toolpace.judge.cut.shapes import shape_of
 from toolpace.judge.cut.stations import arcs_check, chosen_stations, columns_check
@@ -36,7 +36,7 @@ from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
 from toolpace.judge.cut.turning import Cutting, loads_of
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
-from toolpace.programs.tool_figures import Frustum, ToolFigures
+from toolpace.programs.tool_figures import ToolFigures
 from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record
 from toolpace.results.write.cut_promise import promise_of
 
@@ -171,30 +171,6 @@ def test_many_poses_hold_what_each_of_them_holds():
     assert 300 < some.sum() < 1900 and (found == some).all()
 
 
-BEAMS = {
-    "bar": ToolFigures("flat", 10e-3, stick_out=40e-3, flute_length=20e-3, material="carbide"),
-    "cone": ToolFigures(
-        "taper", 6e-3, taper=math.radians(5.0), stick_out=50e-3, flute_length=20e-3, material="HSS",
-        shank=(Frustum(10e-3, 9e-3, 12e-3),),
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", BEAMS)
-def test_a_tool_bends_as_the_integral_of_its_moments_says(name):
-    tool = BEAMS[name]
-    height = np.linspace(0.0, tool.stick_out, 23)
-    found, wanted = JudgedBeam(tool).compliance(height, height), ToolBeam.of(tool).compliance(height, height)
-    assert found == pytest.approx(wanted, rel=1e-3, abs=1e-5 * wanted.max())
-
-
-def test_an_even_bar_bends_by_the_cube_of_its_length():
-    tool = ToolFigures("flat", 10e-3, stick_out=60e-3, flute_length=1e-12, material="steel")
-    stiff = 207e9 * math.pi * 10e-3**4 / 64.0
-    (bent,) = JudgedBeam(tool).compliance(np.zeros(1), np.zeros(1))[0]
-    assert bent == pytest.approx(60e-3**3 / (3.0 * stiff), rel=1e-6)
-
-
 def tilted_block(low, high, degrees):
     """The triangles of a box that is turned, and the turn."""
     turn = Rotation.from_euler("xyz", degrees, degrees=True).as_matrix()
@@ -293,7 +269,7 @@ def test_loads_are_those_of_the_library(tool):
     section = Section(np.column_stack([rims[:-1], rims[1:]]), tuple(arcs))
     speed, turns = 0.02, 100.0
     motion = ToolMotion(shape, np.zeros(3), UP, speed * FEED, np.zeros(3))
-    found = loads_of(section, Cutting(tool, ALUMINIUM, turns), motion, JudgedBeam(tool))
+    found = loads_of(section, Cutting(tool, ALUMINIUM, turns), motion, ToolBeam(tool))
     theirs = tp.EngagedForces(engagement(arcs, 0.2e-3), tool, ALUMINIUM, turns).loads([speed])
     for name, value in (
         ("force", theirs.resultant), ("torque", np.abs(theirs.torque)), ("power", np.abs(theirs.power)),
@@ -338,7 +314,8 @@ COLUMNS = {
 def slot_judge():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
-    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, 1e-3)
+    cell = plan.simulation.resolution
+    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, cell)
     return CutJudge(points, SLOT.toolpath(), promise), file
 
 
@@ -412,6 +389,11 @@ def test_what_is_learned_is_within_a_teacher():
     chip, area, edge = np.array(promise.teachers["1"]).max(axis=0)
     judge.promise = dataclasses.replace(promise, teachers={"1": [(0.9 * chip, area, edge)]})
     assert not learned_check(judge, in_shoulder).ok
+    file = cut_arrays(data)
+    for times, ok in ((1.0, True), (1.05, False)):
+        judge.promise = dataclasses.replace(promise, teachers={"1": [(times * chip, times * area, edge)]})
+        (check,) = reached_checks(judge, file)
+        assert check.ok is ok, check
 
 
 def test_angles_may_be_told_about_another_direction_of_the_feed():

@@ -10,7 +10,6 @@ import pytest
 from tests.support.heavy_machines import BODIES, heavy_machine, motor_torques, random_dynamics
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.common.errors import UsageError
-from toolpace.deflection.new_trajectory import replan
 from toolpace.judge import verify
 from toolpace.judge.usage import UsageFigures
 from toolpace.machine.dynamics import Dynamics, Link
@@ -190,5 +189,3 @@ def test_what_cannot_be_held_is_told():
     rows = torque_rows(dynamics, 1e4, limits.joints)
     with pytest.raises(UsageError, match="second-order holds no"):
         plan(path, limits, rows=rows, planner="second-order")
-    with pytest.raises(UsageError, match=r"rows of one's own \(.*\) are not held"):
-        replan(plan(path, limits, rows=rows, bound=False), 0.5, np.zeros(3))

@@ -58,6 +58,8 @@ class NewFeeds:
     before: ProgramTime
     after: ProgramTime
     reached: Reached
+    turned: ToolPath
+    """The program as it was, with the spindle speeds after."""
     largest: tuple[LargestLoad, ...]
     """By tool and kind, at the speeds reached; of tools whose teeth and spindle speed are known."""
     spindle: tuple[OperationSpeed, ...] = ()
@@ -91,7 +93,7 @@ def new_feeds(
     rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
 
     def tools_of(toolpath: ToolPath) -> list[ToolFigures | None]:
-        return [options.setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+        return [options.setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
 
     def check(toolpath: ToolPath) -> None:
         rules.check(toolpath)
@@ -133,7 +135,7 @@ def new_feeds(
         largest = largest_loads(old, new, *reached)
     name = found.controller.name if found.controller is not None else ""
     return NewFeeds(
-        program, name, figures.model, cut, rules, plan, written, before, after, reached, largest, speeds
+        program, name, figures.model, cut, rules, plan, written, before, after, reached, toolpath, largest, speeds
     )
 
 
@@ -175,6 +177,8 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
         "blocks_changed": found.written.changed,
         "blocks_divided": found.written.divided,
         "lines_above": list(found.written.above),
+        "lines_below": list(found.written.below),
+        "missed_s": found.written.missed,
         "spindle": [
             {
                 "name": each.name, "tool": each.tool, "before_rpm": 60.0 * each.before, "after_rpm": 60.0 * each.after,

@@ -24,6 +24,8 @@ FARTHEST = 1e3
 """Most of a coordinate of a machine [m]: a kilometre is a slip of units."""
 LARGEST = 1e6
 """Most of a travel that is not endless [m or rad], and of an entry of a direction."""
+STRONGEST = 20.0
+"""Most of gravity [m/s^2]: twice that of the earth. 9806.65 is in mm."""
 SLOWEST = 1e-9
 """Least that a limit of a joint is [m or rad per s, s^2, s^3]."""
 
@@ -67,6 +69,8 @@ class Chain(Protocol):
 
     @property
     def tool_length(self) -> float: ...
+    @property
+    def gravity(self) -> tuple[float, float, float]: ...
 
 
 class Body(Protocol):
@@ -135,6 +139,11 @@ def check_chain(chain: Chain, source: str) -> None:
     if not abs(chain.tool_length) <= FARTHEST:
         raise MachineError(
             f"{source}: [chain] tool_length is {chain.tool_length:g} m; give a finite number, at most {FARTHEST:g} m"
+        )
+    if not math.hypot(*chain.gravity) <= STRONGEST:
+        raise MachineError(
+            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most "
+            f"{STRONGEST:g} together, whatever the units of the file"
         )
 
 

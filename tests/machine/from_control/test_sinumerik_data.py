@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from tests.support.sinumerik_archive import Archive, changed
@@ -73,6 +74,57 @@ def test_a_figure_with_something_behind_it_is_refused(value, tmp_path):
 def test_lines_that_are_switched_off_do_not_count(off, tmp_path):
     draft = _read(tmp_path, [each.replace("N32000", f"{off} N32000") for each in LINES])
     assert "velocity of X [mm/s]" in _asked(draft) and not draft.record.remarks
+
+
+def _with_knee(folder, **data):
+    """A machine of which X moves at 12 m/min with 5 m/s2, with data of a knee."""
+    lines = changed(LINES, {"$MA_MAX_AX_VELO[AX4]": "12000", "$MA_MAX_AX_ACCEL[0,AX4]": "5"})
+    return _read(folder, [*lines, *(f"$MA_ACCEL_REDUCTION_{name}[AX4]={value}" for name, value in data.items())])
+
+
+def test_acceleration_falls_beyond_a_knee_as_the_control_has_it(tmp_path):
+    limits = _with_knee(tmp_path, SPEED_POINT=0.25, FACTOR=0.6, TYPE=2).machine.limits
+    (curve,) = limits.curves
+    assert curve.joint == "X" and limits.acceleration[limits.joints.index("X")] == pytest.approx(2.0)
+    assert np.allclose(np.stack([curve.curves[0].speed, curve.curves[0].limit]), [[0.0, 0.05, 0.2], [5.0, 5.0, 2.0]])
+    # without a type the control has a hyperbola from the knee to the velocity limit
+    draft = _with_knee(tmp_path, SPEED_POINT=0.25, FACTOR=0.75)
+    curve = draft.machine.limits.curves[0].curves[0]
+    v = np.linspace(0.05, 0.2, 200)
+    power = 5.0 * 0.05 / v
+    assert (curve.at(v) <= power * (1.0 + 1e-9)).all() and (curve.at(v) >= 0.99 * power).all()
+    assert any("keeps that with DRIVE" in each for each in draft.record.remarks)
+    assert Machine.from_toml(draft.text) == draft.machine
+    jump = _with_knee(tmp_path, SPEED_POINT=0.5, FACTOR=0.75, TYPE=0).machine.limits.curves[0].curves[0]
+    assert jump.at(np.array([0.094, 0.1, 0.2])) == pytest.approx([5.0, 1.25, 1.25])
+
+
+def test_a_knee_of_a_turning_axis_is_in_turns(tmp_path):
+    figures = {"$MA_MAX_AX_VELO[AX1]": "25", "$MA_MAX_AX_ACCEL[0,AX1]": "2"}
+    lines = changed(LINES, figures)
+    lines += ["$MA_ACCEL_REDUCTION_SPEED_POINT[AX1]=0.5", "$MA_ACCEL_REDUCTION_FACTOR[AX1]=0.5"]
+    lines += ["$MA_ACCEL_REDUCTION_TYPE[AX1]=2"]
+    (curve,) = _read(tmp_path, lines).machine.limits.curves
+    turn = 2.0 * math.pi
+    assert np.allclose(curve.curves[0].speed, np.array([0.0, 0.5, 1.0]) * 25.0 / 60.0 * turn)
+    assert np.allclose(curve.curves[0].limit, np.array([2.0, 2.0, 1.0]) * turn)
+
+
+@pytest.mark.parametrize("data", [
+    {"SPEED_POINT": 1, "FACTOR": 0.5}, {"SPEED_POINT": 0.5, "FACTOR": 0}, {"SPEED_POINT": 0.5}, {"FACTOR": 0.5},
+])  # fmt: skip
+def test_a_knee_that_takes_nothing_is_none(data, tmp_path):
+    assert not _with_knee(tmp_path, **data).machine.limits.curves
+
+
+@pytest.mark.parametrize(("data", "message"), [
+    ({"SPEED_POINT": -0.1, "FACTOR": 0.5}, "SPEED_POINT.* = -0.1; give a share of the velocity"),
+    ({"SPEED_POINT": 0.5, "FACTOR": 1}, "FACTOR.* = 1; give a share of the acceleration"),
+    ({"SPEED_POINT": 0.5, "FACTOR": 0.5, "TYPE": 3}, "TYPE.* = 3; give 0"),
+])  # fmt: skip
+def test_a_knee_that_cannot_be_is_refused(data, message, tmp_path):
+    with pytest.raises(ControlFileError, match=message):
+        _with_knee(tmp_path, **data)
 
 
 def test_each_figure_says_its_file_and_line(tmp_path):

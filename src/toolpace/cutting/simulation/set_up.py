@@ -33,7 +33,7 @@ def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | Non
     found: list[ToolInUse | None] = []
     assumed: dict[str, None] = {}
     for k, operation in enumerate(toolpath.operations):
-        figures = setup.figures_of(operation.tool) or operation.figures
+        figures = setup.figures_of(operation.tool, operation.figures)
         if figures is None:
             if k in cutting:
                 raise UsageError(_without_figures(toolpath, k, setup))

@@ -39,13 +39,16 @@ class Seen(NamedTuple):
     everywhere: Bools
     """(slices, ANGLES) whether it is in material at all places within a cell."""
     anywhere: Bools
-    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise."""
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise, and by how well the tip
+    is known."""
 
 
 def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
     """Those of all stations by their columns, and of some by what the tool meets there."""
-    found = [columns_check(judge, file)]
-    if found[0].ok:
+    found = [covered_check(judge, file)]
+    if found[0].ok and len(file["station time"]):
+        found.append(columns_check(judge, file))
+    if len(found) > 1 and found[1].ok:
         chosen = chosen_stations(judge, file, stations)
         found += [arcs_check(judge, file, chosen), end_check(judge, file, chosen)]
     return found
@@ -126,6 +129,23 @@ def columns_check(judge: CutJudge, file: File) -> Check:
             k = int(np.argmax(wrong))
             return Check(name, 0.0, 0.0, "", False, float(time[k]), int(file["station block"][k]), note=words)
     return Check(name, 0.0, 0.0, "", True, note=f"{len(time)} of them are those of the motion")
+
+
+def covered_check(judge: CutJudge, file: File) -> Check:
+    """Whether a station is within a cell ahead of the tip wherever a tool moves at feed; no slice is lower than a cell.
+    """
+    times, rows, cell = file["station time"], judge.moving, judge.promise.resolution
+    name = "stations along the cut"
+    if (np.asarray(file["engagement slice_height"]) < cell * (1.0 - DIRECTION)).any():
+        return Check(name, 0.0, 0.0, "", False, note="cells are higher than the slices of the engagement")
+    ahead = np.searchsorted(times, judge.points.t[rows])
+    places = np.append(file["station tip"], np.full((1, 3), np.inf), axis=0)
+    way = np.linalg.norm(places[ahead] - judge.tip[rows], axis=1)
+    if not len(rows):
+        return Check(name, 0.0, cell, "m", True)
+    k, most = int(way.argmax()), cell + PLACE + 2.0 * judge.room
+    time, block = float(judge.points.t[rows[k]]), int(judge.points.block[rows[k]])
+    return Check(name, float(way[k]), most, "m", bool(way[k] <= most), time, block, note="from the tip to the next")
 
 
 def _off_direction(file: File, rapids: Ints) -> Bools:
@@ -223,7 +243,7 @@ def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints, fee
             height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
             lengths = surface.shape.length_at(height)
             everywhere &= surface.seen_at(lengths, ANGLES, first=begin)
-            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin, begin)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin + judge.room, begin, judge.room)
     return Seen(everywhere, anywhere)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from toolpace.common.errors import printable
 from toolpace.common.files.toml import toml_key, toml_value
+from toolpace.common.units import JOINT_LIMITS
 from toolpace.machine.from_control.control_file import load
 from toolpace.machine.from_control.readers import read_record
 from toolpace.machine.from_control.record import Figure, MachineRecord, Value
@@ -130,13 +131,27 @@ def _tables(record: MachineRecord, leanings: Mapping[str, str]) -> Iterator[str]
         yield ""
         yield f"[joints.{toml_key(name)}]"
         for key in JOINT:
-            if key in joint:
+            if key in joint and joint[key].falls:
+                yield _curve_line(key, joint, unit)
+            elif key in joint:
                 words = leanings.get(name, "") if key == "direction" else ""
                 yield _line(key, joint[key], words or (unit + UNITS[key] if key in UNITS else ""))
     if record.machine_zero:
         yield ""
         yield "[setup.machine_zero]"
         yield from (_line(letter, figure) for letter, figure in record.machine_zero.items())
+
+
+def _curve_line(key: str, joint: Mapping[str, Figure], unit: str) -> str:
+    """A key with a limit that falls with the speed, as corners in the units of the file."""
+    units, figure, velocity = JOINT_LIMITS[str(joint["kind"].value)], joint[key], joint["velocity"]
+    most, top = (
+        each.number * (units[name][each.unit] / units[name][unit + own.replace("^", "")] if each.unit else 1.0)
+        for name, each, own in (("velocity", velocity, UNITS["velocity"]), (key, figure, UNITS[key]))
+    )
+    corners = tuple((f"{speed * most:.12g}", f"{share * top:.12g}") for speed, share in figure.falls)
+    value = "[" + ", ".join(f"[{speed}, {limit}]" for speed, limit in corners) + "]"
+    return f"{key} = {value}  # {printable(f'{unit}{UNITS[key]} at {unit}/s; {figure.origin}')}"
 
 
 def _line(key: str, figure: Figure, meaning: str = "") -> str:

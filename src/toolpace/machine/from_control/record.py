@@ -40,6 +40,8 @@ class Figure:
     origins: tuple[Origin, ...]
     unit: str = ""
     """Of a limit of a joint (`common/units.py: JOINT_LIMITS`), as `m/s2`; empty: in the units of the record."""
+    falls: tuple[tuple[float, float], ...] = ()
+    """Of an acceleration that falls with the speed: corners, each a share of the velocity limit and of the value."""
 
     @property
     def number(self) -> float:

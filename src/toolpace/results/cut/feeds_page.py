@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Protocol
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.feed_plan import FeedPlan
     from toolpace.cutting.feeds.largest_loads import LargestLoad
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.cutting.feeds.spindle_speeds import OperationSpeed
+    from toolpace.programs.toolpath import ToolPath
 
 LISTED = 40
 """Teachers, and places above a limit, that are listed."""
@@ -76,6 +79,7 @@ class FeedProgram(Protocol):
     def divided(self) -> int: ...
     @property
     def above(self) -> tuple[int, ...]: ...
+    def told(self, most: int) -> list[str]: ...
 
 
 class NewFeeds(Protocol):
@@ -99,13 +103,17 @@ class NewFeeds(Protocol):
     def reached(self) -> tuple[Sequence[Floats], Sequence[Floats]]: ...
     @property
     def largest(self) -> tuple[LargestLoad, ...]: ...
+    @property
+    def turned(self) -> ToolPath: ...
+    @property
+    def spindle(self) -> tuple[OperationSpeed, ...]: ...
 
 
 def feeds_page(found: NewFeeds, machine: str) -> str:
     """The page as HTML; it opens without a network. The motion is that of the program as it was."""
     cut, plan = found.cut, found.plan
     duration = float(cut.trajectory.duration)
-    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules, found.reached)
+    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules, found.reached, found.turned)
     view = view_of_cut(cut.simulation, cut.trajectory, cut.toolpath, cut.setup, tracks=tracks)
     less = saved(found.before.total, found.after.total)
     badge = f"{100.0 * abs(less):.1f} % {'less' if less >= 0.0 else 'more'} time"
@@ -190,7 +198,12 @@ def _notes(found: NewFeeds) -> str:
     """Sentences: what holds of all feeds, what stays as it was and why, who taught them, and where the program is above
     a limit."""
     plan = found.plan
-    sentences = [*plan.notes, *(each.told(LISTED) for each in plan.kept)]
+    sentences = [
+        f"operation {each.name or '-'}, tool {each.tool or '-'}: {60.0 * each.before:.0f} rpm, "
+        + (f"{60.0 * each.after:.0f} rpm after: " if each.ratio != 1.0 else "which stay: ") + each.reason
+        for each in found.spindle if not math.isnan(each.before)
+    ]  # fmt: skip
+    sentences += [*plan.notes, *(each.told(LISTED) for each in plan.kept)]
     sentences += [
         f"teacher: {f'{each.program}, ' * bool(each.program)}line {each.line}, tool {each.tool}: chip "
         f"{1e6 * each.chip:.3g} µm, area {1e6 * each.area:.3g} mm², edge {1e3 * each.edge:.3g} mm, "
@@ -201,9 +214,7 @@ def _notes(found: NewFeeds) -> str:
         what = "however slow, the load" if each.always else "the feed of the program"
         place = f"line {each.line}, tool {each.tool}"
         sentences.append(f"{place}: {what} is {each.share:.3g} times what {each.limit} allows")
-    if found.written.above:
-        lines = ", ".join(map(str, found.written.above[:LISTED]))
-        sentences.append(f"faster than allowed, since their motions have no single F: lines {lines}")
+    sentences += found.written.told(LISTED)
     items = "".join(f"<li>{escape(printable(each))}</li>" for each in sentences)
     return f'<section class="panel"><h2>Notes</h2><ul>{items}</ul></section>' if items else ""
 

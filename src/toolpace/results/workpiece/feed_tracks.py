@@ -46,11 +46,12 @@ LIMITS = {"removal": "removal_rate", "chip": "chip", "force": "force", "deflecti
 
 def feed_tracks(
     plan: FeedPlan, simulation: CutSimulation, toolpath: ToolPath, duration: float, rules: FeedRules,
-    reached: Sequence[Sequence[Floats]],
+    reached: Sequence[Sequence[Floats]], turned: ToolPath,
 ) -> CutTracks:
     """Those of a plan of feeds over a motion [s], which is that of the program as it was.
 
-    reached: before and after, of each stretch the speed on the way to each station (n,) [m/s].
+    reached: before and after, of each stretch the speed on the way to each station (n,) [m/s]. turned: the program with
+    the spindle speeds after.
     """
     edges = interval_edges(duration)
     rows: dict[tuple[str, Role], Floats] = {}
@@ -60,9 +61,9 @@ def feed_tracks(
         interval = Intervals(edges, stretch.stations.time)
         tool = tools.get(stretch.operation)
         name = toolpath.operations[stretch.operation].tool
-        feeds: tuple[tuple[Role, Floats], ...] = (("before", before), ("after", after))
-        for role, feed in feeds:
-            for panel, values in loads_at(stretch, place, feed, tool, toolpath, rules).items():
+        feeds: tuple[tuple[Role, Floats, ToolPath], ...] = (("before", before, toolpath), ("after", after, turned))
+        for role, feed, path in feeds:
+            for panel, values in loads_at(stretch, place, feed, tool, path, rules).items():
                 row = rows.setdefault((panel, role), np.zeros(len(edges) - 1))
                 interval.raise_to(row, values)
         for panel, limit in limits_of(rules, name).items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,15 @@ from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
 from toolpace.common.files import reason, whole_file
 from toolpace.programs.speed_profile import SpeedProfile
-from toolpace.results.write.cut_promise import input_digests, spindle_curves
 
 if TYPE_CHECKING:
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.spindle_figures import SpindleFigures
+    from toolpace.programs.stock_figures import StockFigures
+    from toolpace.programs.tool_figures import ToolFigures
+    from toolpace.programs.toolpath import ToolPath
 
 CUT_LIMITS = "cut_limits.npz"
 """Its name in the folder of a plan."""
@@ -97,6 +101,47 @@ def _teachers(found: CutLimitedPlan) -> dict[str, list[tuple[float, float, float
     for each in found.feeds.teachers:
         by_tool.setdefault(each.tool, []).append((each.chip, each.area, each.edge))
     return by_tool
+
+
+def spindle_curves(spindle: SpindleFigures) -> dict[str, list[tuple[float, float]]]:
+    """What a spindle gives: by the name of the limit, turns per second [1/s] and the most at that speed in SI."""
+    curves = {"power": spindle.power, "torque": spindle.torque}
+    return {name: list(zip(each.speed, each.value)) for name, each in curves.items() if each is not None}
+
+
+def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
+    """The figures of the tool of each operation."""
+    return [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
+
+
+def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
+    """SHA-256 of the figures of the stock and of each tool, in SI; "stock" and "tool 3"."""
+    found = {}
+    for operation, tool in zip(toolpath.operations, tools_of(toolpath, setup)):
+        if tool is not None:
+            found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    if stock is not None:
+        found["stock"] = _digest(*_parts_of(stock))
+    return found
+
+
+def _parts_of(stock: StockFigures) -> tuple[object, bytes]:
+    """Its figures but for the place of its mesh, and the bytes of that."""
+    solid = stock.solid
+    if solid.mesh is None:
+        return replace(stock, solid=replace(solid, source="")), b""
+    try:
+        data = solid.mesh.read_bytes()
+    except OSError:
+        data = b""  # what reads it says so
+    unit = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    placed = replace(solid, mesh=None, mesh_unit="", box=unit, source="")
+    return (replace(stock, solid=placed), solid.mesh_unit), data
+
+
+def _digest(figures: object, data: bytes = b"") -> str:
+    return hashlib.sha256(msgspec.json.encode(figures) + data).hexdigest()
 
 
 def cut_bytes(found: CutLimitedPlan) -> bytes:

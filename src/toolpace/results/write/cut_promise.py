@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import msgspec
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import UsageError
+from toolpace.results.write.cut_limits import CutLimitsRecord, input_digests, spindle_curves, tools_of
 
 if TYPE_CHECKING:
     from toolpace.judge.cut import Bent, CutPromise
@@ -20,15 +20,8 @@ if TYPE_CHECKING:
     from toolpace.machine.machine import Machine
     from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading.coordinates.setup import SetUp
-    from toolpace.programs.spindle_figures import SpindleFigures
     from toolpace.programs.stock_figures import StockFigures
-    from toolpace.programs.tool_figures import ToolFigures
     from toolpace.programs.toolpath import ToolPath
-    from toolpace.results.write.cut_limits import CutLimitsRecord
-
-Curves = dict[str, list[tuple[float, float]]]
-"""By the name of a limit: turns per second [1/s], and the most at that speed in SI."""
-
 
 @dataclass(frozen=True)
 class StatedPromise:
@@ -41,39 +34,6 @@ class StatedPromise:
 
 
 NOTHING_STATED = StatedPromise()
-
-
-def spindle_curves(spindle: SpindleFigures) -> Curves:
-    """What a spindle gives at its speeds."""
-    curves = {"power": spindle.power, "torque": spindle.torque}
-    return {name: list(zip(each.speed, each.value)) for name, each in curves.items() if each is not None}
-
-
-def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
-    """The figures of the tool of each operation."""
-    return [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
-
-
-def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
-    """SHA-256 of the figures of the stock and of each tool, in SI; "stock" and "tool 3"."""
-    found = {}
-    for operation, tool in zip(toolpath.operations, tools_of(toolpath, setup)):
-        if tool is not None:
-            found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
-    stock = setup.workpiece.stock or toolpath.workpiece.stock
-    if stock is not None:
-        mesh = stock.solid.mesh
-        try:
-            data = b"" if mesh is None else mesh.read_bytes()
-        except OSError:
-            data = b""  # what reads it says so
-        solid = replace(stock.solid, mesh=None, box=((0.0,) * 3, (1.0,) * 3)) if mesh is not None else stock.solid
-        found["stock"] = _digest(replace(stock, solid=replace(solid, source="")), data)
-    return found
-
-
-def _digest(figures: object, data: bytes = b"") -> str:
-    return hashlib.sha256(msgspec.json.encode(figures) + data).hexdigest()
 
 
 def judged_cut(
@@ -144,15 +104,18 @@ def other_inputs(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp) -> I
 
 def other_promise(record: CutLimitsRecord, stated: StatedPromise) -> Iterator[str]:
     """What is not as it was stated, a sentence each."""
-    if stated.limits is not None:
-        tools = sorted({*record.limits, *stated.limits})
-        for tool in tools:
-            own, right = record.limits.get(tool, {}), stated.limits.get(tool, {})
-            for name in sorted({*own, *right}):
-                if own.get(name) != right.get(name):
-                    whose = f" of tool {tool}" if tool else ""
-                    words = [f"{limits[name]:.6g}" if name in limits else "none" for limits in (own, right)]
-                    yield f"{name}{whose} is {words[0]} in the plan and {words[1]} as stated (SI)"
+    from toolpace.judge.cut import UNITS
+    from toolpace.judge.verification import Check
+
+    limits = stated.limits if stated.limits is not None else record.limits
+    for tool in sorted({*record.limits, *limits}):
+        own, right = record.limits.get(tool, {}), limits.get(tool, {})
+        for name in sorted({*own, *right}):
+            if own.get(name) != right.get(name):
+                shown = Check(name, 0.0, 0.0, UNITS[name], False).show
+                words = [shown(each[name]) if name in each else "not limited" for each in (own, right)]
+                whose = f" of tool {tool}" if tool else ""
+                yield f"{name.replace('_', ' ')}{whose} is {words[0]} in the plan, and {words[1]} as it was stated"
     if stated.coefficients is not None and record.materials.get("") != msgspec.to_builtins(stated.coefficients):
         yield "the coefficients of the material are not those of the material that is stated"
 
@@ -195,6 +158,8 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
         resolution=cell,
         margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
         spindle=record.spindle,
+        finishing=record.finishing,
+        uncertainty=0.0 if stock is None else stock.uncertainty,
     )
 
 

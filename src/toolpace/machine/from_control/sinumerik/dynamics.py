@@ -1,21 +1,24 @@
 """Limits and travel of an axis, and how the control uses them: acceleration, jerk, roundings, cycles.
 
 Function Manual Basic Functions, B1 (continuous-path mode), B2 (acceleration: with SOFT an axis has MD32300 times
-MD32433), A3 (software limit switches do not hold for modulo axes), G2 (units: mm/min, m/s2, m/s3; with inches in/min,
-in/s2, in/s3; rev/min, rev/s2, rev/s3). Of data for each dynamic mode the first is DYNNORM; then come DYNPOS, DYNROUGH,
-DYNSEMIFIN, DYNFINISH.
+MD32433; with DRIVE it falls beyond a knee, 2.18), A3 (software limit switches do not hold for modulo axes), G2 (units:
+mm/min, m/s2, m/s3; with inches in/min, in/s2, in/s3; rev/min, rev/s2, rev/s3). Of data for each dynamic mode the first
+is DYNNORM; then come DYNPOS, DYNROUGH, DYNSEMIFIN, DYNFINISH.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
 
 from toolpace.machine.from_control.record import Figure, MachineRecord, Origin, lowest, travel
 from toolpace.machine.from_control.sinumerik.channel_axes import ChannelAxis
 from toolpace.machine.from_control.sinumerik.machine_data import MachineData
 
 NAMES = {"velocity": "MA_MAX_AX_VELO", "acceleration": "MA_MAX_AX_ACCEL", "jerk": "MA_MAX_AX_JERK"}
+KNEE = ("SPEED_POINT", "FACTOR", "TYPE")
 UNITS = {
     "mm": ("mm/min", "m/s2", "m/s3"),
     "in": ("in/min", "in/s2", "in/s3"),
@@ -24,6 +27,13 @@ UNITS = {
 """Of velocity, acceleration and jerk."""
 UNLIMITED = 1e7
 """A software limit switch from here on is none: the control's own default is 1e8 [mm, in, deg]."""
+CONSTANT, HYPERBOLIC, LINEAR = 0.0, 1.0, 2.0
+"""How acceleration falls beyond the knee: MD35242, the second where it is not told."""
+JUMP = 0.95
+"""Share of the velocity at which acceleration jumps down, from which it falls here."""
+TANGENTS = 8
+"""Of a hyperbola, between which its corners lie: they are below it, by at most 1 percent from a fifth of the velocity
+on."""
 ROUGH, SEMIFINISH, FINISH = 2, 3, 4
 """Indices of dynamic modes."""
 SOFT_OR_BRISK, BRISK = 20, 1
@@ -50,7 +60,44 @@ def joint_figures(data: MachineData, axis: ChannelAxis, kind: Figure, length: st
     if soft is not None and soft.number != 1.0 and (brisk := figures.get("acceleration")) is not None:
         share = _above_zero(soft).number
         figures["acceleration"] = Figure(share * brisk.number, brisk.origins + soft.origins, brisk.unit)
+    if "acceleration" in figures:
+        figures["acceleration"] = _with_knee(data, axis, figures["acceleration"])
     return figures | _reach(data, axis, rotary)
+
+
+def _with_knee(data: MachineData, axis: ChannelAxis, acceleration: Figure) -> Figure:
+    """The acceleration as it falls beyond a share of the velocity; as it is, where that is the whole of it.
+
+    At the velocity limit 1 - MD35230 of it is left.
+    """
+    at, less, kind = (data.figure(f"MA_ACCEL_REDUCTION_{name}", 0, axis.words) for name in KNEE)
+    if at is None or less is None or at.number >= 1.0 or less.number == 0.0:
+        return acceleration
+    if at.number < 0.0:
+        raise at.origins[0].error(f"= {at.number:g}; give a share of the velocity, 0 to 1")
+    if not 0.0 < less.number < 1.0:
+        raise less.origins[0].error(f"= {less.number:g}; give a share of the acceleration, 0 to 0.95")
+    shape = HYPERBOLIC if kind is None else kind.number
+    if kind is not None and shape not in (CONSTANT, HYPERBOLIC, LINEAR):
+        raise kind.origins[0].error(f"= {shape:g}; give 0 (constant), 1 (hyperbolic) or 2 (linear)")
+    knee, left = at.number, 1.0 - less.number
+    if knee == 0.0:
+        falls = [(0.0, 1.0), (1.0, left)] if shape == LINEAR else [(0.0, left)]
+    elif shape == CONSTANT:
+        falls = [(0.0, 1.0), (JUMP * knee, 1.0), (knee, left)]
+    else:
+        falls = [(0.0, 1.0), (knee, 1.0), *(_hyperbola(knee, left) if shape == HYPERBOLIC else ()), (1.0, left)]
+    origins = tuple(origin for each in (at, less, kind) if each is not None for origin in each.origins)
+    return replace(acceleration, origins=acceleration.origins + origins, falls=tuple(falls))
+
+
+def _hyperbola(knee: float, left: float) -> list[tuple[float, float]]:
+    """Corners below the hyperbola b + c / v from 1 at the knee to `left` at 1: where tangents at even ratios of v
+    meet."""
+    c = (1.0 - left) * knee / (1.0 - knee)
+    touched = [knee ** (1.0 - k / TANGENTS) for k in range(TANGENTS + 1)]
+    pairs = list(pairwise(touched))
+    return [(2.0 * one * two / (one + two), left - c + 2.0 * c / (one + two)) for one, two in pairs]
 
 
 def _above_zero(figure: Figure) -> Figure:
@@ -111,6 +158,12 @@ def add_dynamics(data: MachineData, record: MachineRecord, axes: Mapping[str, Ch
     if path is not None:
         record.control_figures[f"jerk of the path [{'m' if in_mm == 1.0 else 'in'}/s^3]"] = path
     record.remarks += _modes(data, axes)
+    record.remarks += [
+        f"Acceleration of {name} falls with its velocity ($MA_ACCEL_REDUCTION_SPEED_POINT): the control keeps that "
+        "with DRIVE, the machine here at any time."
+        for name, joint in record.joints.items()
+        if "acceleration" in joint and joint["acceleration"].falls
+    ]
 
 
 def _add(timing: dict[str, Figure], key: str, figures: Iterable[Figure | None], ends: tuple[float, float]) -> None:

@@ -35,7 +35,7 @@ BEHIND = re.compile(r"\s*(?:'[0-9A-F]{1,4}\b)?\s*(?!N\d+\s*\$|\(|//|#)([^\s$]*)"
 ANY_DATUM = re.compile(r"\$(M[NCA]_[A-Z]|N[KT]_[A-Z]|TC_CARR[0-9])[A-Z0-9_]*\s*(\[[^\]=]*\])?\s*=", re.IGNORECASE)
 KEPT = re.compile(
     r"""\$(?:MN_(?:AXCONF|SCALING|IPO_|SYSCLOCK)|MC_(?:AXCONF|TRAFO|GCODE_RESET|MAX_PATH|CURV_)|MA_(?:IS_ROT|ROT_IS|MAX_A|"""
-    r"""JOG_VELO|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_|NT_)""",
+    r"""JOG_VELO|ACCEL_RED|SOFT_|G00_|PATH_TRANS|POS_LIMIT|COMPRESS|SPIND_ASSIGN)|TC_CARR|SC_TOCARR|NK_|NT_)""",
     re.IGNORECASE,
 )
 """Beginnings of names that are kept: an archive has some hundred times as many."""
