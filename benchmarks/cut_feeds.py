@@ -25,13 +25,13 @@ from toolpace.common.units import MILLIMETRE
 from toolpace.controls.export.cut_feeds import with_cut_feeds
 from toolpace.controls.timing.figures import figures_of
 from toolpace.controls.timing.program_time import figures_for, moves_of, time_of_moves
+from toolpace.controls.timing.speeds import ControlSpeeds
 from toolpace.cutting.feeds.feed_plan import plan_feeds
 from toolpace.cutting.feeds.limited_plan import plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.jobs import TimedSteps
 from toolpace.jobs.cut import CutRequest, cut_program
-from toolpace.jobs.cut_options import speeds_reached
 from toolpace.machine.machine import Machine
 from toolpace.programs.reading import ReadOptions, Source
 from toolpace.programs.reading.languages import with_controller
@@ -105,15 +105,19 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
     began = time.process_time()
     cut = cut_program(str(program), request, TimedSteps(), None, lambda operation, stock: None)
     seconds = time.process_time() - began
-    tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
-    reached = speeds_reached(cut.toolpath, machine, figures_for(options, None))
+    tools = [options.setup.figures_of(each.tool, each.figures) for each in cut.toolpath.operations]
+    figures = figures_for(options, None)
+    reached = ControlSpeeds.of(cut.toolpath, machine, figures).mean
     for way in ways:
         words, data = ["", ""], source.data
         if way != "program":
             began = time.process_time()
             rules = rules_of(case, way).for_machine(machine)
             plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached)
-            written = with_cut_feeds(source, machine, None, options, cut.toolpath, plan)
+            written = with_cut_feeds(
+                source, machine, None, options, cut.toolpath, plan,
+                times=lambda path: ControlSpeeds.of(path, machine, figures).times,
+            )  # fmt: skip
             seconds, data = time.process_time() - began, written.data
             words = [str(written.changed), str(written.divided)]
             if keep is not None:
@@ -122,11 +126,11 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
                 print(f"  {program.name}, {way}: {note}", file=sys.stderr)
         moves = moves_of(Source.from_bytes(data, source.name), machine, options)
         controls = [time_of_moves(moves, machine, figures_of({}, "", model)).total for model in MODELS]
-        best = ["", ""]
-        if ideal:
+        best = [f"{cut.trajectory.duration:.1f}" if way == "program" else "", ""]
+        if ideal and way != "program":
             began = time.process_time()
-            duration = cut.trajectory.duration if way == "program" else within_cut(cut.toolpath, case, reached, way)
-            best = [f"{duration:.1f}", f"{time.process_time() - began:.1f}" if way != "program" else ""]
+            duration = within_cut(cut.toolpath, case, reached, way)
+            best = [f"{duration:.1f}", f"{time.process_time() - began:.1f}"]
         yield [
             f"`{program.name}`", way, *(f"{each:.1f}" for each in controls), *words, f"{seconds:.1f}", *best
         ]  # fmt: skip
@@ -156,18 +160,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", nargs="+", type=Path, help=f"files named {', '.join(CASES)}")
     parser.add_argument("--way", nargs="*", default=WAYS, choices=WAYS, help="which feeds (default: all)")
-    parser.add_argument("--controls", action="store_true", help="by the models of controls alone, no ideal motion")
+    parser.add_argument("--controls", action="store_true", help="no ideal motion within what the cut allows")
     parser.add_argument("--keep", type=Path, help="folder for the programs with new feeds")
     asked = parser.parse_args()
     if unknown := [str(each) for each in asked.programs if each.stem not in CASES]:
         parser.error(f"{', '.join(unknown)}: not one of {', '.join(CASES)}")
     warnings.simplefilter("ignore")
-    lines = kept()
     for program in asked.programs:
         for line in measured(program, asked.way, not asked.controls, asked.keep):
             print(" | ".join(line), flush=True)
-            lines[line[0], line[1]] = line
-            write(lines)
+            write({**kept(), (line[0], line[1]): line})
 
 
 def write(lines: Mapping[tuple[str, str], list[str]]) -> None:

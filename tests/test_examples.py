@@ -151,6 +151,7 @@ def test_torques_of_an_arm(capsys):
     assert top > 1.02 * (example.plan.duration - top)
 
 
+@pytest.mark.sweep
 def test_follow_a_disturbed_run():
     example = load("10_follow_a_disturbed_run")
     assert max(row[2].max() for row in example.used.values()) <= 1.0001

@@ -151,7 +151,7 @@ def test_a_default_that_holds_nowhere_changes_nothing(zigzag, machine):
     assert almost == pytest.approx(alone, rel=1e-12)
 
 
-@pytest.mark.parametrize("seed", [0, 4, 8])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.sweep), 4, 8])
 def test_paths_with_tolerances_at_random_are_within_them(seed, machine):
     """Corners, specks and long blocks, tolerances from 1 to 200 micrometres and 0.01 to 1 degree in any order."""
     r = np.random.default_rng(seed)

@@ -23,6 +23,8 @@ FEED = 1.0001
 A_CLASS_EACH = ("xyzac-trunnion", "xyzbc-head", "xyzbc-nutating")
 """Machines that everybody waits for: table and table, head and head, and a tilted axis."""
 COLUMN = 1e-9
+HEAVY = ("iso", "millplus")
+"""Dialects whose random programs take longest; their kin, fanuc and heidenhain, are tried in every sweep."""
 
 
 def check(case, effort="low"):
@@ -77,6 +79,7 @@ def test_the_judge_reads_the_lengths_from_the_sheet():
         assert not tp.verify(wrong, machine, toolpath, sheet=case.sheet).ok
 
 
+@pytest.mark.sweep
 def test_where_a_tool_is_changed_the_joints_stay():
     case = Maker(3, "xyzac-trunnion", "g43.4", [0.1, 0.2], points=20, offsets=False).make()
     setup = setup_of_text(case.sheet)
@@ -116,7 +119,10 @@ def worst_of(dialect, seeds):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize(("number", "dialect"), list(enumerate(DIALECTS)))
+@pytest.mark.parametrize(
+    ("number", "dialect"),
+    [pytest.param(*each, marks=pytest.mark.thorough if each[1] in HEAVY else ()) for each in enumerate(DIALECTS)],
+)
 def test_a_random_program_of_every_dialect(number, dialect):
     assert worst_of(dialect, [201 if number == 5 else 200 + number % 6]) <= LAID
 

@@ -1,5 +1,6 @@
 """What a first run compiles, and how long it takes: `python tools/first_run.py`, from an empty cache.
 
+The cache is that of this user where nothing is compiled in it yet: what comes next need not compile again.
 Prints kernels, specialisations and seconds. Fails where a kernel was compiled for two signatures, or where the demo
 compiled one that was not compiled beforehand: then `python tools/first_run.py --record` writes the signatures anew,
 and beside them those that other usual commands compile besides, for wheels.
@@ -47,18 +48,25 @@ material = "carbide"
 
 def main() -> int:
     """Measure, or record."""
+    from toolpace.kernels.kernel_cache import store
+
+    kernels = store().folder
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["TOOLPACE_CACHE"] = folder
-        if "--record" in sys.argv:
+        recording = "--record" in sys.argv
+        if recording or kernels is None or store().files():
+            os.environ["TOOLPACE_CACHE"] = folder
+            kernels = Path(folder)
+        if recording:
+            store.cache_clear()
             return record(Path(folder))
         began = time.perf_counter()
         subprocess.run([sys.executable, "-m", "toolpace.kernels.ahead_of_time"], check=True)
         seconds = time.perf_counter() - began
         processor = time_of_children()
-        ahead_of_time = kernel_files(Path(folder))
+        ahead_of_time = kernel_files(kernels)
         demo = [sys.executable, "-m", "toolpace", "demo", "--out", str(Path(folder) / "demo")]
         subprocess.run(demo, check=True, stdout=subprocess.DEVNULL)
-        late = sorted(set(kernel_files(Path(folder))) - set(ahead_of_time))
+        late = sorted(set(kernel_files(kernels)) - set(ahead_of_time))
         count = Counter(name.rpartition("-")[0] for name in [*ahead_of_time, *late])
     twice = sorted(name for name, times in count.items() if times > 1)
     print(f"first run: {len(count)} kernels, {count.total()} specialisations")
@@ -126,7 +134,9 @@ def run_other_commands(folder: Path) -> None:
     tp.Follower.from_folder(planned, reserve=0.1).step()
     sheet = folder / "setup.toml"
     sheet.write_text(SHEET, "ascii")
-    toolpace(["feeds", *on_machine, "--setup", str(sheet), "--feeds", "learned", "--resolution", "1mm"])
+    with_sheet = [*on_machine, "--setup", str(sheet), "--resolution", "1mm"]
+    toolpace(["feeds", *with_sheet, "--feeds", "learned"])
+    toolpace(["plan", *with_sheet, "--feeds", "limits", "--limit", "chip=0.05mm", "--out", str(folder / "within-cut")])
 
 
 if __name__ == "__main__":

@@ -132,6 +132,7 @@ def planned(folder, sheet, *words):
     return main([*asked, "--bend", str(folder / "tool.toml")])
 
 
+@pytest.mark.sweep
 def test_a_tool_bends_by_what_it_cuts_of_the_stock_and_the_judge_agrees(wall, tmp_path, capsys):
     folder = tmp_path / "out"
     shutil.copytree(wall / "out", folder)

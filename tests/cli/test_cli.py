@@ -182,6 +182,7 @@ def test_tolerance_and_time_step_are_obeyed(planned):
     assert np.allclose(np.diff(tp.SetPoints.load(out / "setpoints.npz").t), 2e-3)
 
 
+@pytest.mark.sweep
 def test_tool_length_moves_the_machine_not_the_part(planned):
     for length in ("100mm", "180mm"):
         out = planned / length
@@ -294,7 +295,9 @@ sys.exit(main(sys.argv[2:]))
 """A command that meets Ctrl-C while the step that is named is at work."""
 
 
-@pytest.mark.parametrize("step, effort", [("fitting", "normal"), ("planning", "low")])
+@pytest.mark.parametrize(
+    "step, effort", [("fitting", "normal"), pytest.param("planning", "low", marks=pytest.mark.sweep)]
+)
 def test_ctrl_c_within_a_step_ends_it_and_leaves_nothing(step, effort, tmp_path):
     (tmp_path / "blade.ngc").write_text(demo_programs.spiral_program(5_000))
     done = subprocess.run(

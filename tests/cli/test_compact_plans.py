@@ -46,6 +46,7 @@ def again(plans, tmp_path):
     return Tamper(folder)
 
 
+@pytest.mark.sweep
 def test_both_forms_hold_the_same_bits(plans):
     full, compact = (tp.read_set_points(plans / form) for form in ("full", "compact"))
     for each in fields(SetPoints):
@@ -54,6 +55,7 @@ def test_both_forms_hold_the_same_bits(plans):
     assert not (plans / "compact" / "setpoints.npz").exists()
 
 
+@pytest.mark.sweep
 def test_the_full_file_is_told_by_default_and_by_the_words_of_before(plans, tmp_path, capsys):
     for words in ([], ["--npz", "all"], ["--npz", "none"]):
         assert main(["plan", str(plans / "blade.ngc"), *PLAN, *words, "--out", str(tmp_path / "out")]) == 0
@@ -269,6 +271,19 @@ def test_speeds_of_a_cut_are_held_against_those_beside_the_plan():
         runs = tuple(other if each is run else each for each in axis_path.runs)
         assert other_feed(replace(axis_path, runs=runs), toolpath, bends=False)[0].startswith(words)
     assert other_feed(axis_path, SLOT.toolpath(), bends=False)[0]
+
+
+def test_the_last_digit_of_a_speed_between_two_places_of_a_profile_may_differ():
+    plan = limited_slot()
+    axis_path, toolpath = plan.plan.trajectory.axis_path, plan.fed(SLOT.toolpath())
+    for factor, same in ((1.0 - 1e-15, True), (1.0 - 1e-9, False)):
+        runs = tuple(
+            each
+            if each.profile is None
+            else FollowRun(replace(each.run, feed=factor * each.run.feed), each.machine, each.branch)
+            for each in axis_path.runs
+        )
+        assert (other_feed(replace(axis_path, runs=runs), toolpath, bends=False)[0] == "") == same
 
 
 def test_a_path_of_another_plan_or_damaged_is_found(again, plans, tmp_path, capsys):

@@ -104,6 +104,7 @@ def test_a_guessed_stock_is_marked_and_concludes_nothing(folder, capsys):
     assert found["stock_guessed"] and found["findings"] == []
 
 
+@pytest.mark.sweep
 def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, capsys):
     parquet = pytest.importorskip("pyarrow.parquet")
     place = tmp_path / "out"
@@ -181,6 +182,7 @@ def test_a_question_of_the_stock_s_unit_is_asked_once(folder, capsys):
     (folder / "near.ngc").write_text(SLOT.replace("Y10", "Y0.3"))
     run(folder, "near.ngc", "--json", sheet="inch.toml")
     assert capsys.readouterr().err.count("is it in inches?") == 1
+@pytest.mark.sweep
 def test_the_page_of_a_crash_leads_to_it_and_a_second_program_begins_with_what_the_first_left(folder, tmp_path):
     pytest.importorskip("pyarrow")
     place = tmp_path / "out"

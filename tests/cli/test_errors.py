@@ -134,6 +134,7 @@ def test_bad_arguments(case, tmp_path, monkeypatch, capsys):
     fails(capsys, tmp_path, *ARGUMENTS[case])
 
 
+@pytest.mark.sweep
 def test_process_ends_with_the_code_and_one_line(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "toolpace", "plan", "nope.ngc", "-m", "paper-ab"],

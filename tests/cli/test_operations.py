@@ -41,6 +41,7 @@ def figures(folder):
     return json.loads((folder / "plan.json").read_text())
 
 
+@pytest.mark.sweep
 def test_time_is_told_by_tool_and_kind_and_sums_up(planned):
     said = figures(planned)
     one, two = said["operations"]
@@ -89,6 +90,7 @@ def test_time_that_is_told_of_another_operation_is_found(planned, tmp_path, caps
     assert last.startswith("FAILED  plan.json operations") and f"{kind} of operation" in last
 
 
+@pytest.mark.sweep
 def test_a_plan_says_that_its_duration_is_without_the_tool_changes_of_the_sheet(tmp_path, capsys):
     program, sheet = tmp_path / "part.ngc", tmp_path / "sheet.toml"
     program.write_text(PROGRAM)

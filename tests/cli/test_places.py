@@ -69,6 +69,7 @@ def test_ones_own_machine_and_program_are_never_overwritten(here, capsys, comman
     assert content(here) == before
 
 
+@pytest.mark.sweep
 def test_a_plan_is_replaced_a_plan_with_ones_own_file_is_not(here, capsys):
     assert main(["plan", "part.ngc", *PLAN, "-o", "out", "--csv"]) == 0
     assert main(["plan", "part.ngc", *PLAN, "-o", "out"]) == 0
@@ -82,6 +83,7 @@ def test_a_plan_is_replaced_a_plan_with_ones_own_file_is_not(here, capsys):
     assert content(here) == before
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "command",
     [
@@ -123,6 +125,7 @@ def test_what_is_kept_is_what_was_planned(here, monkeypatch, blade):
     assert main(["verify", "out"]) == 0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("redirect", "code", "says"),
     [
@@ -138,6 +141,7 @@ def test_a_plan_is_written_also_where_nobody_reads_what_is_said(here, redirect, 
     assert foreign(here / "out") == "" and (here / "out" / "plan.json").exists()
 
 
+@pytest.mark.sweep
 def test_output_to_a_full_disk_and_letters_it_does_not_know(here):
     full = "error: standard output: cannot write: no space left on device\n"
     for command, redirect, code, says in (
@@ -168,6 +172,7 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "number",
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.sweep) for number in (signal.SIGINT, signal.SIGHUP))],
@@ -194,6 +199,7 @@ def test_an_interrupt_after_the_writing_does_not_say_that_nothing_was_written(he
     assert foreign(here / "out") == ""
 
 
+@pytest.mark.sweep
 def test_names_are_no_markup_and_move_no_cursor(here, capsys):
     text = Machine.load("xyzac-trunnion").to_toml().replace('"xyzac-trunnion"', '"[/b]mill"')
     (here / "[red].toml").write_text(text)
@@ -267,6 +273,7 @@ def test_folders_and_machines_that_are_none(here, capsys, where, name):
     refused(capsys, [where, name])
 
 
+@pytest.mark.sweep
 def test_damaged_results_are_one_line(here, capsys):
     assert main(["plan", "part.ngc", *PLAN, "-o", "out"]) == 0
     capsys.readouterr()

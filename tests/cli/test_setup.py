@@ -25,6 +25,7 @@ def part(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return program
 
 
+@pytest.mark.sweep
 def test_the_folder_holds_what_is_to_be_loaded(part, tmp_path, capsys):
     out = tmp_path / "found"
     arguments = ["setup", str(part), "-m", "xyzac-trunnion", "--trials", "24", "--shown", "4", "--workers", "0"]

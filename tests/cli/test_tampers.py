@@ -265,7 +265,7 @@ def test_any_changed_figure_fails_or_is_named_as_not_checked(again, capsys, seed
         assert named or hidden, (way, value, new)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(10, 40))])
 def test_any_changed_column_fails(again, capsys, seed):
     """A column scaled, shifted in time, exchanged or with a value that is far off, in part or as a whole."""
     r = np.random.default_rng(seed)

@@ -49,6 +49,7 @@ def test_json_is_a_list_with_the_time_and_its_parts(part, tmp_path, capsys):
     assert second["total_s"] is None and second["optimum_s"] is None and "broken.ngc:1" in second["error"]
 
 
+@pytest.mark.sweep
 def test_the_optimum_is_that_of_plan_and_the_model_ideal_is_it(part, tmp_path, capsys):
     found = json.loads(printed(capsys, part, *MACHINE, "--model", "ideal", "--json"))[0]
     assert main(["plan", part, *MACHINE, "--out", str(tmp_path / "plan"), "--no-report"]) == 0
@@ -316,6 +317,7 @@ def test_a_program_that_leaves_the_travel_is_refused_planned_or_not(tmp_path, ca
     assert said.splitlines()[-1] == capsys.readouterr().err.splitlines()[-1]
 
 
+@pytest.mark.sweep
 def test_rests_of_a_control_are_told_apart_from_the_stops_of_a_program(part, tmp_path, capsys):
     """Two ways between rapid and feed, a dwell and a tool change: two stops of the program, two rests more."""
     (found,) = json.loads(printed(capsys, part, *MACHINE, "--model", "lookahead", "--no-optimum", "--json"))

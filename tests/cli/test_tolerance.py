@@ -60,6 +60,7 @@ def test_lines_of_the_picture_are_round_and_hold_all():
     assert "<polyline" in found and "a&lt;b" in found
 
 
+@pytest.mark.sweep
 def test_rows_lead_to_the_plans_that_are_there(program, tmp_path, capsys):
     folder = tmp_path / "plans"
     given = ["tolerance", str(program), "-m", demo_programs.MACHINE, "--feed", "none", "--effort", "low"]

@@ -43,6 +43,7 @@ def run(hidden: str, code: str, *words: str) -> str:
     return done.stdout
 
 
+@pytest.mark.sweep
 def test_a_plan_is_written_twice_and_verified(tmp_path):
     (tmp_path / "part.ngc").write_text(PROGRAM)
     out = tmp_path / "plan"

@@ -167,6 +167,7 @@ def test_a_browser_shows_it_until_it_ends(view, follower):
         assert all(url.startswith((view.address, "data:")) for url in page.requests)
 
 
+@pytest.mark.sweep
 @pytest.mark.browser
 def test_the_machine_moves_as_its_joints_do(follower, machine):
     """The tip is where the follower put it, path and correction together."""

@@ -41,6 +41,7 @@ def at(aimed, x, y):
     return aimed.bending[np.argmin(np.linalg.norm(tip - [x, y, 0.0], axis=1))]
 
 
+@pytest.mark.sweep
 def test_along_a_straight_line_it_is_the_force_at_the_feed(aimed):
     """In the middle of the first line: ahead is x, left is y, at the feed of the program; by hand."""
     forces = tp.CuttingForces(TOOL.cut).feed_forward(np.array([0.025 / (2 * 300.0)]))[0]

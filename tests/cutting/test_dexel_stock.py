@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.support.cut_scenes import box_mesh, rotation, stations
-from toolpace.cutting.stock.dexels import FRAME, DexelStock
+from toolpace.cutting.stock.dexels import FRAME, DexelStock, check_memory
 from toolpace.errors import UsageError
 
 LOW, HIGH = (0.001, -0.004, 0.002), (0.013, 0.005, 0.0093)
@@ -133,7 +133,8 @@ def test_the_surface_is_closed():
     ("build", "told"),
     [
         (lambda: DexelStock.box((0, 0, 0), (0.1, 0.0, 0.1)), "it is 100 x 0 x 100 mm"),
-        (lambda: DexelStock.box((0, 0, 0), (0.1, 0.1, 0.1), 1e-6), "takes .* MB, above the 512 MB"),
+        (lambda: DexelStock.box((0, 0, 0), (0.1, 0.1, 0.1), 1e-6), "take .* MB, and 512 MB are allowed"),
+        (lambda: check_memory(box_mesh(LOW, HIGH), 1e-5, 3e6, 3), "for 3 stocks .*, and 3 MB are allowed"),
         (lambda: DexelStock.box((0, 0, 0), (0.1, 0.1, 0.1), -1.0), "resolution"),
         (lambda: DexelStock.box((0, 0, math.nan), (0.1, 0.1, 0.1)), "low"),
         (lambda: DexelStock.cylinder((0, 0, 0), (0, 0, 0), 0.1), "both ends"),

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from tests.support.cut_scenes import Scene, never_cut, stations, straight
+from toolpace.cutting.forces.engaged import EngagedForces
 from toolpace.cutting.stock.dexels import DexelStock
 from toolpace.cutting.tool_profile import ToolProfile
+from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
 
 UPRIGHT = np.array([0.0, 0.0, 1.0])
@@ -115,12 +117,12 @@ def test_width_of_a_ball_in_a_plane():
     assert engagement.depth[-1] == pytest.approx(BALL, abs=2e-5)
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_the_thickest_chip_of_a_ball_is_at_the_border_of_its_cut(side):
+@pytest.mark.parametrize(("side", "cell"), [(1.0, 1e-4), (-1.0, 1e-4), (1.0, 3e-4), (-1.0, 3e-4)])
+def test_the_thickest_chip_of_a_ball_is_at_the_border_of_its_cut(side, cell):
     """In a plane, and beside the groove of a pass before, where it is in the corner of both: closed forms."""
     radius, depth, step, axis = 4e-3, 1.636e-3, 2e-3, np.array([0.0, side * math.sin(0.26), math.cos(0.26)])
     profile = ToolProfile.of(ToolFigures("ball", 2.0 * radius, flute_length=6e-3))
-    stock = DexelStock.box((0.0, -6e-3, -4e-3), (8e-3, 8e-3, 0.0), 1e-4)
+    stock = DexelStock.box((0.0, -6e-3, -4e-3), (8e-3, 8e-3, 0.0), cell)
     wide = math.sqrt(radius**2 - (radius - depth) ** 2)
     shares = []
     for y in (0.0, step):
@@ -129,8 +131,21 @@ def test_the_thickest_chip_of_a_ball_is_at_the_border_of_its_cut(side):
         shares.append(found.chip_share[(centre[:, 0] > 2e-3) & (centre[:, 0] < 4.5e-3)])
     assert shares[0] == pytest.approx(np.full(len(shares[0]), wide / radius), rel=1e-3)
     corner = math.sqrt(wide**2 - (wide - step) ** 2) / radius
-    # an edge of the stock is told to half a cell, rather too high than too low: 2 percent of the chip at most
-    assert (1.0 - 3e-3) * corner <= shares[1].min() and shares[1].max() <= 1.025 * corner
+    assert (1.0 - 3e-3) * corner <= shares[1].min() and shares[1].max() <= 1.003 * corner
+
+
+@pytest.mark.parametrize("depth", [0.00009, 0.0003, 0.0007])
+def test_a_cut_counts_by_its_depth_in_part_of_a_slice(depth):
+    """Less deep than half a slice, too: with an edge of one slice a force is in proportion to the depth."""
+    figures = ToolFigures("flat", 0.01, flute_length=0.008, teeth=3, spindle_speed=100.0)
+    tip = straight((-0.009, 0.0, -depth), (-0.003, 0.0, -depth))
+    found = DexelStock.box((-0.006, -0.01, -0.004), HIGH, 2.5e-4).cut(
+        ToolProfile.of(figures), stations(tip, np.tile(UPRIGHT, (len(tip), 1)))
+    )
+    assert found.top[-1] == pytest.approx(depth, abs=5e-6) and found.chip_share[-1] == pytest.approx(1.0, abs=1e-3)
+    loads = EngagedForces(found, figures, Coefficients(800e6, 300e6)).loads(np.full(len(tip), 0.01))
+    # K a f R times the sum of the sines of teeth that are a third of a turn apart, which is 1 at most
+    assert loads.torque[-1] == pytest.approx(800e6 * depth * 0.01 / 300.0 * 5e-3, rel=0.02)
 
 
 def test_some_stations_of_a_table_are_as_they_were():
@@ -172,6 +187,7 @@ def test_nothing_is_told_of_a_way_that_is_cut_already():
     assert stock.volume() == pytest.approx(left, rel=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_helical_bore():
     turn = np.linspace(0.0, 3.3 * math.pi, 260)
     tip = np.stack([0.003 * np.cos(turn), 0.003 * np.sin(turn), -0.001 * turn / (2.0 * math.pi) + 1e-5], axis=1)
@@ -247,6 +263,7 @@ def missed(seed: int) -> tuple[float, float]:
     return (float(errors[:, 1].sum()), float(errors[:, 0].sum())) if len(errors) else (0.0, 0.0)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", [1])
 def test_random_motions_in_what_they_have_cut_themselves(seed):
     wrong, whole = missed(seed)

@@ -13,7 +13,8 @@ from tests.support.feed_programs import SHEET, TWO_SLOTS
 from tests.support.program_with_feeds import with_feeds
 from toolpace.common.errors import UsageError
 from toolpace.cutting.engagement.table import EngagementTable
-from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.feed_moves import check_tools
+from toolpace.cutting.feeds.feed_plan import KeptFeed, plan_feeds
 from toolpace.cutting.feeds.learned import best_of, held_loads, learned_speeds
 from toolpace.cutting.feeds.limits import CLOSE, CutLimits, root_below, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
@@ -121,8 +122,7 @@ def test_limits_that_make_no_sense():
         speeds_within(forces, places(40), CutLimits(stress=1e9), 0.1)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_no_force_is_above_the_teachers_whatever_the_material(seed):
+def check_learned_torque(seed):
     """Torque is F = Kc A + Ke L times the radius on a cylinder: its peak at the learned speeds, for random Kc, Ke."""
     rng = np.random.default_rng(seed)
     n = 60
@@ -140,6 +140,17 @@ def test_no_force_is_above_the_teachers_whatever_the_material(seed):
         chip = learner.loads(np.maximum(allowed, 1e-9)).chip
         assert (chip[allowed > 0.0] <= teacher.loads(speed).chip.max() * (1.0 + 1e-9)).all()
     assert ((which >= 0) == (allowed > 0.0)).all()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_no_force_is_above_the_teachers_whatever_the_material(seed):
+    check_learned_torque(seed)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(10, 500))
+def test_no_force_is_above_the_teachers_in_many_engagements(seed):
+    check_learned_torque(seed)
 
 
 def allowed_by(teacher, learner, speed, **without):
@@ -236,6 +247,7 @@ def learned(text, rules):
     return plan_feeds(simulation, toolpath, [setup.figures_of(each.tool) for each in toolpath.operations], rules)
 
 
+@pytest.mark.sweep
 def test_teachers_are_listed_left_out_and_taken_from_another_program(tmp_path):
     plan = learned(SHALLOW, FINISHING)
     assert {each.line for each in plan.teachers} == {8} and plan.teachers[0].seconds > 1.0
@@ -370,3 +382,19 @@ def test_rules_that_speak_of_what_is_not_there_are_refused(cut):
         Steps(margin=math.nan)
     rules = FeedRules(limits={"": CutLimits(chip=1e-4, removal_rate=1e-6), "3": CutLimits(chip=2e-4)})
     assert rules.limits_of("3") == CutLimits(chip=2e-4, removal_rate=1e-6)
+
+
+@pytest.mark.parametrize("missing, message", [("teeth", "number of teeth"), ("spindle_speed", "spindle speed")])
+def test_figures_that_feeds_need_are_asked_for_before_the_plan(missing, message):
+    sheet = "\n".join(line for line in SHEET.splitlines() if not line.startswith(missing))
+    machine, setup = tp.Machine.load("xyzac-trunnion"), setup_of_text(sheet)
+    toolpath = tp.read_text(TWO_SLOTS.replace("S6000 M3", ""), machine, controller="linuxcnc", setup=setup)
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    with pytest.raises(UsageError, match=message):
+        check_tools(toolpath, tools, FeedRules("learned"))
+    check_tools(toolpath, tools, FeedRules("air"))
+
+
+def test_a_feed_that_stays_is_told_with_its_first_lines():
+    kept = KeptFeed("at a limit", 2.5, ((3, 3), (5, 9), (11, 12)))
+    assert kept.told(2) == "as it was for 2.50 s: at a limit; lines 3, 5 to 9, ..."

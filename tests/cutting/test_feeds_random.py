@@ -16,7 +16,7 @@ from tests.support.height_field import HeightField, chips_of_ways, forces_of
 from tests.support.program_with_feeds import with_feeds
 from toolpace.cutting.feeds.feed_plan import plan_feeds
 from toolpace.cutting.feeds.limits import CutLimits
-from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.feeds.rules import WAYS, FeedRules
 from toolpace.cutting.feeds.schedule import Steps
 from toolpace.programs.reading.setup_file import setup_of_text
 
@@ -110,19 +110,29 @@ def test_no_place_is_loaded_more_in_many_programs(seed, scene):
     check(seed, scene, "learned")
 
 
-@pytest.mark.parametrize("way", ["air", "learned", "limits"])
-def test_on_a_guessed_stock_no_feed_changes(way):
+def check_guessed(seed, scene):
+    """No way changes a feed where the sheet has no stock."""
     machine = tp.Machine.load("xyzac-trunnion")
     setup = setup_of_text(SHEET[SHEET.index("[tools") :])
-    toolpath = tp.read_text(random_program(np.random.default_rng(7), "sliver"), machine, setup=setup)
+    toolpath = tp.read_text(random_program(np.random.default_rng(seed), scene), machine, setup=setup)
     simulation = tp.simulate_cut(
         tp.plan_program(toolpath, machine, effort="low").trajectory, toolpath, setup, resolution=2e-3
     )
     tools = [setup.figures_of(each.tool) for each in toolpath.operations]
-    plan = plan_feeds(simulation, toolpath, tools, FeedRules(way, limits={"": CutLimits(chip=1e-5)}, air_feed=0.2))
-    stretches = [each for each in simulation.stretches if not each.rapid]
-    for stretch, feeds in zip(stretches, plan.feeds, strict=True):
-        assert (feeds[1:] == toolpath.most_speed[stretch.stations.point[1:]]).all()
+    own = [toolpath.most_speed[each.stations.point[1:]] for each in simulation.stretches if not each.rapid]
+    for way in WAYS:
+        plan = plan_feeds(simulation, toolpath, tools, FeedRules(way, limits={"": CutLimits(chip=1e-5)}, air_feed=0.2))
+        assert all((feeds[1:] == speed).all() for speed, feeds in zip(own, plan.feeds, strict=True)), way
+
+
+def test_on_a_guessed_stock_no_feed_changes():
+    check_guessed(7, "sliver")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(100, 300))
+def test_on_a_guessed_stock_no_feed_changes_in_many_programs(seed):
+    check_guessed(seed, SCENES[seed % len(SCENES)])
 
 
 @pytest.mark.thorough

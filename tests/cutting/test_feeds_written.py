@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -79,7 +80,7 @@ def test_every_mode_of_feed_reads_back_in_many_programs(dialect, mode):
     assert 0.7 * wanted < changed
 
 
-def changed(text, controller, wanted, machine="xyzac-trunnion"):
+def changed(text, controller, wanted, machine="xyzac-trunnion", times=None):
     """A program with `wanted` feeds by line [m/s], others as they are: the path before, and what is written."""
     machine = tp.Machine.load(machine)
     source = Source.from_bytes(text.encode(), "part.nc")
@@ -89,7 +90,8 @@ def changed(text, controller, wanted, machine="xyzac-trunnion"):
     feeds = np.array([wanted.get(line, feed) for line, feed in zip(toolpath.block.tolist(), own.tolist())])
     feeds[~np.isfinite(feeds)] = 0.0
     at = Places(np.arange(len(toolpath), dtype=float), np.cumsum(toolpath.way_length))
-    return toolpath, with_cut_feeds(source, machine, None, options, toolpath, FeedPlan((at,), (feeds,), ()))
+    plan = FeedPlan((at,), (feeds,), ())
+    return toolpath, with_cut_feeds(source, machine, None, options, toolpath, plan, times=times)
 
 
 IN_TOOL_CALL = "BEGIN PGM A MM\nTOOL CALL 1 Z S6000 F500\nL X-30 Y0 Z20 FMAX M3\nL X-20\nL X90\nEND PGM A MM\n"
@@ -168,6 +170,14 @@ def test_one_feed_of_a_block_whose_tip_changes_its_speed_is_nowhere_above_the_pl
     assert (written.toolpath.most_speed[block] <= feeds[block] * (1.0 + 1e-6)).all()
 
 
+def test_no_feed_is_above_what_the_rotary_joints_can_do():
+    # A turns by 150 degrees a second at most, C by 240; on its own F of a rotary word is in degrees
+    text = "G21 G90 G94\nG0 X20 Y0 Z5 A0 C0\nG1 A30 F100\nG1 C90 F100\nG1 X80 F100\nM30\n"
+    _, written = changed(text, "linuxcnc", {3: 10.0, 4: 10.0, 5: 0.1})
+    feeds = [float(each) for each in re.findall(r"F(\d+)", written.data.decode())]
+    assert feeds == [9000.0, 14400.0, 6000.0]
+
+
 def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told():
     text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nG1 X60\nM30\n"
     _, written = changed(text, "linuxcnc", {3: 0.97 / 60.0})
@@ -175,6 +185,75 @@ def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told(
     text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
     _, written = changed(text, "linuxcnc", {5: 0.01})
     assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
+    _, written = changed(text, "linuxcnc", {5: 1000.0 / 30e3})
+    assert (written.data.decode(), written.above, written.below) == (text, (), (5,))
+    # twice 30 mm in 1.8 s, at twice the feed
+    assert written.missed == pytest.approx(1.8) and "1.80 s slower" in written.told(3)[0]
+
+
+def test_a_higher_feed_that_gains_nothing_on_the_control_is_left_out():
+    """Its model never goes faster than 20 mm/s: the second block is as fast as that already."""
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F600\nG0 X0\nG1 X30 F1200\nG0 X0\nG1 X30 F1800\nM30\n"
+
+    def times(toolpath):
+        return toolpath.way_length / np.minimum(toolpath.most_speed, 0.02)
+
+    _, written = changed(text, "linuxcnc", {3: 0.1, 5: 0.1, 7: 0.015}, times=times)
+    assert written.data.decode() == text.replace("F600", "F6000").replace("F1800", "F900")
+
+
+def test_a_block_that_cannot_be_divided_keeps_its_text():
+    """Its pieces would lead elsewhere: its axis turns on a circle, and its rotary words are at no place halfway."""
+    text = "G21 G90 G54 G43.4 H1\nG0 X0 Y0 Z0 A0 C0\nG1 X200 A5 C0 F600\nM30\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("fanuc"))
+    toolpath = tp.read_text(text, machine, controller="fanuc")
+    last = len(toolpath) - 1
+    at = Places(np.array([last - 1.0, last - 0.5, last]), np.array([0.0, 0.1, 0.2]))
+    plan = FeedPlan((at,), (np.array([0.01, 0.1, 0.01]),), ())
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.nc"), machine, None, options, toolpath, plan)
+    assert (written.data.decode(), written.changed, written.divided) == (text, 0, 0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_places_of_a_program_are_found_in_the_one_with_divided_blocks(seed):
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("linuxcnc"))
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X80 F600\nG2 X90 Y10 I0 J10\nG1 A20\nG1 X10\nM30\n"
+    toolpath = tp.read_text(text, machine, controller="linuxcnc")
+    plan = random_plan(toolpath, seed)
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.ngc"), machine, None, options, toolpath, plan)
+    x = np.sort(np.random.default_rng(seed).uniform(0.0, len(toolpath) - 1.0, 200))
+    point, new = written.points_at(toolpath, x), written.toolpath
+    k, share = np.floor(x).astype(int), (x % 1.0)[:, None]
+    tip = (1.0 - share) * toolpath.tip[k] + share * toolpath.tip[k + 1]
+    way = new.tip[point] - new.tip[point - 1]
+    length = np.maximum(np.linalg.norm(way, axis=1), 1e-12)
+    along = np.einsum("nc,nc->n", tip - new.tip[point - 1], way) / length
+    assert (along >= -1e-6).all() and (along <= length + 1e-6).all()
+    off = np.linalg.norm(tip - new.tip[point - 1] - (along / length)[:, None] * way, axis=1)
+    assert off.max() < 1e-8
+
+
+def test_blocks_with_one_feed_have_one_word():
+    text = "G21 G90\nG0 X0 Y0 Z0\nG1 X30 F1000\nX60\nX90\nG95 X95 F0.1\nG94 X99 F1000\nM30\n"
+    _, written = changed("S6000 M3\n" + text, "linuxcnc", {4: 0.01, 5: 0.01, 6: 0.005})
+    assert "G1 X30 F600\nX60\nX90 F300\nG95 X95 F0.1\n" in written.data.decode()
+    assert written.changed == 3
+
+
+def test_cutter_location_data_keep_the_unit_of_their_feeds():
+    text = (
+        "PARTNO/A\nUNITS/INCHES\nLOADTL/1\nSPINDL/6000,RPM,CLW\nRAPID\nGOTO/0,0,1\nFEDRAT/20,IPM\nGOTO/1,0,1\n"
+        "GOTO/2,0,1\nFEDRAT/IPR,0.005\nGOTO/3,0,1\nFEDRAT/20,IPM\nGOTO/4,0,1\nFINI\n"
+    )
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions()
+    toolpath = tp.read_text(text, machine, dialect="apt")
+    own = np.where(np.isfinite(toolpath.most_speed), toolpath.most_speed, 0.0)
+    feeds = np.where(toolpath.block < 13, 2.0 * own, own)
+    plan = FeedPlan((Places(np.arange(len(own)) * 1.0, np.cumsum(toolpath.way_length)),), (feeds,), ())
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.apt"), machine, "apt", options, toolpath, plan)
+    new = written.data.decode()
+    assert "FEDRAT/40,IPM\nGOTO/1,0,1\nGOTO/2,0,1\n" in new and "FEDRAT/IPR,0.01\nGOTO/3,0,1\n" in new
+    assert np.allclose(written.toolpath.most_speed[1:][~toolpath.rapid[1:]], feeds[1:][~toolpath.rapid[1:]])
 
 
 def test_a_table_of_points_is_refused_in_its_own_words():

@@ -146,6 +146,7 @@ def test_options_that_make_no_sense(tmp_path, capsys, words, message):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_a_folder_tells_that_its_cut_was_changed(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(cut, "INSTANTS", 6)
     monkeypatch.setattr(cut, "STATIONS", 2)

@@ -22,7 +22,8 @@ from toolpace.cutting.forces.material import Material
 from toolpace.judge.cut.instants import CutJudge
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.programs.reading.setup_file import setup_of_text
-from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record, promise_of
+from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record
+from toolpace.results.write.cut_promise import promise_of
 
 ABOVE, BELOW = 1e-3, 1e-2
 """Shares of a limit by which a load may be above it, and is below it at most where it holds the motion."""
@@ -57,7 +58,7 @@ def limited(scene, name, limit, resolution):
     )
     plan = plan_within_cut(toolpath, machine(), setup, rules, effort="low", resolution=resolution)
     data = cut_bytes(plan)
-    promise = promise_of(cut_record(plan, rules, data), toolpath, setup, machine())
+    promise = promise_of(cut_record(plan, rules, data, setup), toolpath, setup, machine())
     return Limited(plan, CutJudge(plan.plan.trajectory.sample(1e-3), toolpath, promise), cut_arrays(data))
 
 

@@ -15,7 +15,9 @@ from tests.support.set_up_sheets import milling_sheet
 from toolpace.cli import main
 from toolpace.common.errors import UsageError
 from toolpace.controls.export.spindle_words import SpindleWords
+from toolpace.cutting.feeds.feed_moves import FeedMoves
 from toolpace.cutting.feeds.feed_plan import plan_feeds
+from toolpace.cutting.feeds.largest_loads import largest_loads
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
 from toolpace.cutting.feeds.spindle_speeds import spindle_speeds
@@ -46,6 +48,15 @@ def chosen(rules, kind="flat", **figures):
     toolpath, simulation, tools = cut_slots(sheet)
     speeds = spindle_speeds(simulation, toolpath, tools, rules, [range(len(toolpath.operations))])
     return next(each for each in speeds if not math.isnan(each.before)), (simulation, toolpath, tools)
+
+
+def largest_at(ratio, simulation, toolpath, tools, rules):
+    """The largest loads as the program is written, and at new feeds with other spindle speeds."""
+    ratios = [ratio] * len(toolpath.operations)
+    plan = plan_feeds(simulation, toolpath, tools, rules, ratio=ratios)
+    old = FeedMoves.of(simulation, toolpath, tools, rules, None)
+    new = FeedMoves.of(simulation, toolpath, tools, rules, None, ratios)
+    return largest_loads(old, new, old.before, plan.feeds)
 
 
 def test_a_sheet_with_speeds_and_charts_reads_as_it_was_written():
@@ -90,9 +101,8 @@ def test_the_speed_is_the_most_of_its_range_and_feeds_keep_their_chip():
     rules = FeedRules("air", air_feed=0.1, finishing=True)
     speed, (simulation, toolpath, tools) = chosen(rules)
     assert 60.0 * speed.after == pytest.approx(12000.0) and speed.reason == "spindle_range"
-    plan = plan_feeds(simulation, toolpath, tools, rules, ratio=[speed.ratio] * len(toolpath.operations))
-    before = {each.kind: each.before for each in plan.largest}
-    after = {each.kind: each.after for each in plan.largest}
+    found = largest_at(speed.ratio, simulation, toolpath, tools, rules)
+    before, after = ({each.kind: getattr(each, when) for each in found} for when in ("before", "after"))
     assert after["chip"] == pytest.approx(before["chip"])
     assert after["removal_rate"] == pytest.approx(2.0 * before["removal_rate"])
 
@@ -112,6 +122,7 @@ def test_the_cutting_speed_holds_at_the_diameter_of_the_cut():
     assert math.pi * ball.diameter * ball.after <= 250.0 / 60.0 < math.pi * ball.diameter * (ball.after + 0.2)
 
 
+@pytest.mark.sweep
 def test_what_the_spindle_does_not_give_is_not_asked_of_it():
     """Power grows with the speed: where its chip is free, fewer turns with thicker chips remove more."""
     limits, materials = {"": CutLimits(chip=0.2e-3)}, {"": ALUMINIUM}
@@ -121,8 +132,8 @@ def test_what_the_spindle_does_not_give_is_not_asked_of_it():
     rules = FeedRules("limits", air_feed=0.2, finishing=True, limits=limits, materials=materials, spindle=weak)
     slow, (simulation, toolpath, tools) = chosen(rules)
     assert slow.after < 0.7 * slow.before
-    plan = plan_feeds(simulation, toolpath, tools, rules, ratio=[slow.ratio] * len(toolpath.operations))
-    assert max(each.after for each in plan.largest if each.kind == "power") <= 300.0 * (1.0 + 1e-6)
+    found = largest_at(slow.ratio, simulation, toolpath, tools, rules)
+    assert max(each.after for each in found if each.kind == "power") <= 300.0 * (1.0 + 1e-6)
 
 
 def test_a_cut_above_its_stability_chart_is_told_and_not_chosen():
@@ -137,7 +148,7 @@ def test_a_cut_above_its_stability_chart_is_told_and_not_chosen():
 
 PROGRAMS = {
     "linuxcnc": ("G21 G90 G54\nT1 M6\n(S99) S6000 M3\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS8000 M3\nG1 X1\nM30\n", 2),
-    "sinumerik": ("T1 M6\nS6000 M3 ;S12\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS=8000 M3\nG1 X1\nM30\n", 2),
+    "sinumerik": ("T1 M6\nS6000 M3 ;S12\nG0 X0 Y0 Z5\nG1 X9 F600\nT2 M6\nS1=8000 M1=3 S2=60\nG1 X1\nM30\n", 2),
     "heidenhain": (
         "BEGIN PGM A MM\nTOOL CALL 1 Z S6000\nL X0 Y0 Z5 FMAX M3\nL X9 F600\nTOOL CALL 2 Z S8000\nL X1 F600 M3\n"
         "END PGM A MM\n", 2,

@@ -60,6 +60,7 @@ def test_replans_in_a_row_take_bounded_time_and_lose_no_more_than_the_deflection
     assert current.duration == pytest.approx(first.duration - 200 * step, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_a_detour_from_a_detour_costs_what_the_first_did_and_goes_back_to_what_was_planned():
     old = current = arc()
     random, time, step, spent = np.random.default_rng(8), 0.8, 3e-3, []
@@ -141,6 +142,7 @@ def test_a_start_above_the_feed_is_braked_nearly_as_fast_as_jerk_allows():
     assert seen >= 3
 
 
+@pytest.mark.sweep
 def test_no_limit_is_passed_by_positions_alone():
     old, random = arc(), np.random.default_rng(31)
     for time in (0.05, 1.7, 4.2):
@@ -219,6 +221,7 @@ def test_a_detour_from_a_detour_to_the_start_goes_along_the_path_once(later: str
         assert np.abs(tip).max() < 3e-4
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("cause", ["displaced", "bending"])
 def test_detours_of_microseconds_are_told_as_they_are(cause: str):
     """A nanometre off, the detour takes some tenths of a millisecond: its jerk is not reckoned from places that differ
@@ -237,7 +240,7 @@ def test_detours_of_microseconds_are_told_as_they_are(cause: str):
             assert found.usage().worst <= max(PROMISED, old.usage().worst)
 
 
-@pytest.mark.parametrize("size", [1e-4, 3e-4, 1e-3, 3e-3])
+@pytest.mark.parametrize("size", [1e-4, *(pytest.param(size, marks=pytest.mark.sweep) for size in (3e-4, 1e-3, 3e-3))])
 def test_a_tool_off_the_start_of_a_slow_feed_finds_back(size: float):
     """The axes alone are no measure of the way to a path that is begun at a millimetre a second; and on a detour of
     seconds the feed abreast falls by half within a step."""

@@ -125,7 +125,8 @@ def judge(old: Trajectory, new: Trajectory, time: float, tip: np.ndarray, axis: 
         np.testing.assert_array_equal(run.evaluate(s)[0], old.axis_path.runs[0].evaluate(s)[0])
 
 
-@pytest.mark.parametrize("planner", ["optimal", pytest.param("genetic", marks=pytest.mark.sweep)])
+@pytest.mark.sweep
+@pytest.mark.parametrize("planner", ["optimal", "genetic"])
 @pytest.mark.parametrize("name", CASES)
 def test_random_deflections_come_back(name: str, planner: str) -> None:
     """A few of the thousand of benchmarks/deflections.py."""

@@ -105,7 +105,7 @@ def test_a_small_deflection_leaves_out_nothing() -> None:
 
 
 @pytest.mark.parametrize("cause", ["displaced", "bending"])
-@pytest.mark.parametrize("ahead", [0.1, 1.0])
+@pytest.mark.parametrize("ahead", [0.1, pytest.param(1.0, marks=pytest.mark.sweep)])
 def test_what_is_left_out_is_what_the_tip_does_not_pass(ahead: float, cause: str) -> None:
     """Each point of the circle by its angle: its distance from the samples of the tip, and the length by the angle."""
     vector = np.array([3e-4, -3e-4, 0.0])

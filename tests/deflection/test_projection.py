@@ -200,6 +200,7 @@ def off_path(run: PathRun, random: np.random.Generator, farthest: float) -> np.n
     return place + 10 ** random.uniform(-6, np.log10(farthest)) * random.normal(size=3)
 
 
+@pytest.mark.sweep
 def test_no_point_of_300_waves_is_missed() -> None:
     """200 of 200; of 400 samples and what the field makes of the nearest of them 159 were right."""
     random = np.random.default_rng(300)

@@ -55,6 +55,7 @@ def places_are_in_order(found, motion, program):
         np.testing.assert_allclose(np.maximum(way.tip, way.axis), distance_of_poses(rows, at), atol=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "part",
     [0, *(pytest.param(part, marks=pytest.mark.sweep if part < 2 else pytest.mark.thorough) for part in range(1, 9))],

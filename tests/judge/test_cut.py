@@ -24,10 +24,12 @@ from toolpace.judge.cut import (
     cut_checks,
     learned_check,
     limit_checks,
+    reached_checks,
     speed_check,
     stocks,
 )
-from toolpace.judge.cut.sections import Poses, Section, Surface, ToolMotion
+from toolpace.judge.cut.beam import ToolBeam
+from toolpace.judge.cut.sections import Poses, Section, Surface, SweptTools, ToolMotion
 from toolpace.judge.cut.shapes import shape_of
 from toolpace.judge.cut.stations import arcs_check, chosen_stations, columns_check
 from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
@@ -35,7 +37,8 @@ from toolpace.judge.cut.turning import Cutting, loads_of
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.tool_figures import ToolFigures
-from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record, promise_of
+from toolpace.results.write.cut_limits import cut_arrays, cut_bytes, cut_record
+from toolpace.results.write.cut_promise import promise_of
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
 FEED = np.array([1.0, 0.0, 0.0])
@@ -135,13 +138,37 @@ def test_shapes_are_those_of_the_library(name):
     wanted, sine, cosine = profile.surface(height)
     assert there == pytest.approx(height, abs=1e-12) and radius == pytest.approx(wanted, abs=1e-9)
     assert np.sin(kappa) == pytest.approx(sine, abs=1e-6) and -np.cos(kappa) == pytest.approx(cosine, abs=1e-6)
+    swept = SweptTools(np.array([0]), Poses(np.zeros((1, 3)), UP[None], np.array([0])), (shape,))
     for off in (-1e-6, 1e-6):
-        assert (shape.holds(height, (wanted + off) ** 2, 0.0) == (off < 0.0)).all()
+        place = np.column_stack([0.6 * (wanted + off), 0.8 * (wanted + off), height])
+        assert (swept(place) == ((off < 0.0) & (height > 1e-9))).all()
     assert shape.widest == pytest.approx(profile.radius)
 
 
-def test_arcs_that_do_not_meet_are_no_shape():
-    assert shape_of(ToolFigures("lens", 10e-3, corner_radius=1e-3, barrel_radius=5e-3)) is None
+def test_a_lens_whose_end_is_as_round_as_it_is_wide_is_a_ball():
+    lens = shape_of(ToolFigures("lens", 10e-3, corner_radius=1e-3, barrel_radius=5e-3, flute_length=20e-3))
+    ball = shape_of(TOOLS["ball"])
+    height = np.linspace(1e-6, 19e-3, 200)
+    assert lens.at(lens.length_at(height))[0] == pytest.approx(ball.at(ball.length_at(height))[0], abs=1e-12)
+
+
+def test_many_poses_hold_what_each_of_them_holds():
+    """Poses are looked at in groups; here of two tools, which turn as they go, against each pose by itself."""
+    rng = np.random.default_rng(5)
+    shapes, count = tuple(shape_of(TOOLS[name]) for name in ("flat", "lens")), 150
+    tip = np.cumsum(rng.normal(0.0, 1e-3, (count, 3)), axis=0)
+    axis = UP + np.cumsum(rng.normal(0.0, 0.03, (count, 3)), axis=0)
+    poses = Poses(tip, axis / np.linalg.norm(axis, axis=1)[:, None], rng.integers(0, 2, count))
+    place = tip[rng.integers(0, count, 2000)] + rng.uniform(-8e-3, 8e-3, (2000, 3))
+    found, some = SweptTools(np.arange(count), poses, shapes)(place), np.zeros(2000, dtype=bool)
+    for k in range(count):
+        off = place - poses.tip[k]
+        height = off @ poses.axis[k]
+        shape = shapes[poses.tool[k]]
+        within = (height > 1e-9) & (height < shape.reach)
+        radius = shape.at(shape.length_at(np.clip(height, 0.0, 0.9999 * shape.reach)))[0]
+        some |= within & (np.linalg.norm(off - height[:, None] * poses.axis[k], axis=1) < radius)
+    assert 300 < some.sum() < 1900 and (found == some).all()
 
 
 def tilted_block(low, high, degrees):
@@ -242,7 +269,7 @@ def test_loads_are_those_of_the_library(tool):
     section = Section(np.column_stack([rims[:-1], rims[1:]]), tuple(arcs))
     speed, turns = 0.02, 100.0
     motion = ToolMotion(shape, np.zeros(3), UP, speed * FEED, np.zeros(3))
-    found = loads_of(section, Cutting(tool, ALUMINIUM, turns), motion)
+    found = loads_of(section, Cutting(tool, ALUMINIUM, turns), motion, ToolBeam(tool))
     theirs = tp.EngagedForces(engagement(arcs, 0.2e-3), tool, ALUMINIUM, turns).loads([speed])
     for name, value in (
         ("force", theirs.resultant), ("torque", np.abs(theirs.torque)), ("power", np.abs(theirs.power)),
@@ -287,7 +314,8 @@ COLUMNS = {
 def slot_judge():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
-    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, 1e-3)
+    cell = plan.simulation.resolution
+    promise = CutPromise("limits", SLOT.stock, SLOT.tools, {"": {"chip": SLOT.chip}}, {}, {}, cell)
     return CutJudge(points, SLOT.toolpath(), promise), file
 
 
@@ -306,6 +334,7 @@ def test_changed_arcs_are_found(change):
     assert not arcs_check(judge, {**file, **changed}, chosen).ok
 
 
+@pytest.mark.sweep
 def test_speeds_that_no_station_has_or_that_its_cut_does_not_allow_are_found():
     judge, file = slot_judge()
     assert allowed_check(judge, file, 3).ok
@@ -321,6 +350,7 @@ def test_speeds_below_those_that_the_motion_has_are_found():
     assert not speed_check(judge, {**file, "station most": 0.9 * file["station most"]}).ok
 
 
+@pytest.mark.sweep
 def test_a_stock_that_is_larger_than_planned_is_found():
     plan = limited_slot()
     points, file = plan.plan.trajectory.sample(2e-3), cut_arrays(cut_bytes(plan))
@@ -350,7 +380,7 @@ def test_what_is_learned_is_within_a_teacher():
     rules = FeedRules("learned", air_feed=0.1, finishing=True)
     plan = plan_within_cut(toolpath, machine(), setup, rules, effort="low", resolution=0.5e-3)
     data = cut_bytes(plan)
-    promise = promise_of(cut_record(plan, rules, data), toolpath, setup, machine())
+    promise = promise_of(cut_record(plan, rules, data, setup), toolpath, setup, machine())
     judge = CutJudge(plan.plan.trajectory.sample(2e-3), toolpath, promise)
     in_shoulder = [judge.instant(row) for row in np.flatnonzero(judge.points.block == 9)[[300, 400]]]
     assert all(each.speed > 0.012 and each.loads["chip"] > 0.0 for each in in_shoulder)
@@ -359,6 +389,11 @@ def test_what_is_learned_is_within_a_teacher():
     chip, area, edge = np.array(promise.teachers["1"]).max(axis=0)
     judge.promise = dataclasses.replace(promise, teachers={"1": [(0.9 * chip, area, edge)]})
     assert not learned_check(judge, in_shoulder).ok
+    file = cut_arrays(data)
+    for times, ok in ((1.0, True), (1.05, False)):
+        judge.promise = dataclasses.replace(promise, teachers={"1": [(times * chip, times * area, edge)]})
+        (check,) = reached_checks(judge, file)
+        assert check.ok is ok, check
 
 
 def test_angles_may_be_told_about_another_direction_of_the_feed():

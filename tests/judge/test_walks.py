@@ -172,18 +172,20 @@ def _with_a_stop_on_the_way(program, walk):
     return program, replace(walk, poses=poses, seconds=2.0 * seconds, dwell=dwell, block=block), k
 
 
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.sweep) for part in range(1, 4))])
 def test_right_motions_are_passed(part):
     for seed in range(part, 40, 4):
         right(seed)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("count", [12, pytest.param(48, marks=pytest.mark.thorough)])
 def test_motions_off_the_line_are_found(count):
     seen = Counter(off_the_line(seed) for seed in range(count))
     assert seen["off"] > 20 * count / 48 and seen["near"] > 8 * count / 48
 
 
+@pytest.mark.sweep
 def test_wrong_feeds_dwells_stops_and_blocks_are_found():
     seen = Counter(out_of_pace(seed) for seed in range(240))
     assert min(seen[kind] for kind in ("feed", "short dwell", "dwell elsewhere", "stop", "block")) > 10

@@ -97,6 +97,7 @@ def test_a_kernel_that_a_worker_gave_back_is_given_out_again(smallest):
     assert work.take() is None
 
 
+@pytest.mark.sweep
 def test_one_of_two_processes_compiles_and_both_find_all(tmp_path, smallest):
     both = [start(tmp_path, "-c", SOME, json.dumps(smallest)) for _ in range(2)]
     said = sorted(each.communicate(timeout=600) for each in both)

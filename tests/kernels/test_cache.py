@@ -182,6 +182,7 @@ def test_a_kernel_is_compiled_once_and_again_where_its_file_is_cut(tmp_path):
     assert healed == first and found == 1 and said == []
 
 
+@pytest.mark.sweep
 def test_where_nothing_can_be_written_nothing_lies_beside_the_sources(tmp_path):
     before = {each for each in SOURCES.rglob("*") if each.suffix in (".nbi", ".nbc", SUFFIX)}
     (tmp_path / "file").write_text("in the way")

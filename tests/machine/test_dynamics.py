@@ -124,6 +124,13 @@ def test_machine_files_with_masses_are_written_as_they_were_read():
     assert [rows.unit for rows in machine.limits.rows] == ["N", "N", "N", "N m", "N m"]
     assert machine.file.joints["C"].centre == (0.0, 0.0, 0.04) and machine.file.workpiece.centre == (0.04, 0.0, 0.11)
     assert heavy_machine(C="torque = 26\nmass = 40") != machine
+    falling = heavy_machine(C="torque = [[0, 25], [90.1, 25], [180, 10.5]]\nmass = 40", X="mass = 9\nforce = [[0, 7]]")
+    again = Machine.from_toml(falling.to_toml())
+    assert again == falling and again.file == falling.file
+    curve = falling.file.joints["C"].motor
+    assert curve.limit.tolist() == [25, 25, 10.5] and np.allclose(curve.speed, np.radians([0, 90.1, 180]), rtol=1e-15)
+    assert [row["torque"] for row in falling.summary() if row["joint"] == "C"] == ["25 .. 10.5 N m"]
+    assert falling.file.joints["X"].force == 7.0 and falling.file.joints["X"].motor_curve is None
     assert not Machine.load("xyzac-trunnion").limits.rows
 
 
@@ -138,6 +145,10 @@ def test_machine_files_with_masses_are_written_as_they_were_read():
     ("centre = [0, 0, 20]", "centre = [0, 0, 2e9]", r"joint A: centre = .* none beyond 1000 m"),
     ("dry_friction = 5", "dry_friction = -5", r"joint A: dry_friction = -5; give a number of zero or more"),
     ("balance = 1400", "balance = inf", r"joint Z: balance = inf; give a finite torque or force"),
+    ("torque = 25", "torque = [[0, 25], [9, 26]]", r"joint C: torque rises from 25 to 26 at speed 9"),
+    ("torque = 25", "torque = [[0, 25], [9, 0]]", r"joint C: torque is 0 at speed 9; give limits above zero"),
+    ("torque = 25", "torque = { upwards = 9 }", r"joint C: torque is \{'upwards': 9\}; give a number, or corners like"),
+    ("force = 2000", "torque = [[0, 9]]", r"\[joints.X\] Expected `float \| null`, got `array`: key `torque`"),
     ("mass = 12", "mas = 12", r"\[workpiece\] unknown key 'mas'; did you mean 'mass'"),
     ("[workpiece]\nmass = 12", "[workpiece]", r"\[workpiece\] 'mass' is missing"),
 ])  # fmt: skip

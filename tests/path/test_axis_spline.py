@@ -180,6 +180,7 @@ def test_waypoints_too_close_for_a_spline_are_named() -> None:
         tp.AxisPath.from_waypoints(np.sin(s)[:, None], s=s)
 
 
+@pytest.mark.sweep
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     seed=st.integers(0, 2**32 - 1),

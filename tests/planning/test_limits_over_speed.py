@@ -112,6 +112,7 @@ def assert_holds(seed, concave=True, **options):
     return trajectory, limits
 
 
+@pytest.mark.sweep
 def test_curves_hold_between_nodes_and_are_named_bounded_and_priced():
     trajectory, limits = assert_holds(4)
     assert max(trajectory.usage().rows.values()) > 0.99

@@ -66,6 +66,7 @@ def test_a_bend_of_any_width_is_planned_for(mesh, seeds):
         assert trajectory.usage().worst <= PROMISED
 
 
+@pytest.mark.sweep
 def test_a_bend_that_a_motion_passes_too_fast_shows_in_its_usage():
     """Laws planned for the path without its bend: the look at them has no nodes there."""
     for seed in range(40):
@@ -140,6 +141,7 @@ def test_a_dip_of_a_cap_is_planned_for_on_a_coarse_mesh(width):
         assert trajectory.usage().worst <= PROMISED, f"seed {seed}"
 
 
+@pytest.mark.sweep
 def test_a_path_that_is_rough_everywhere_is_looked_at_to_its_end():
     """Octaves far apart on few cells: more cells tell too little of the path than are chased in the first rounds."""
     for seed in range(3):

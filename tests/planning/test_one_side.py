@@ -38,7 +38,7 @@ def wave(n=120):
     return replace(toolpath_through(tip, tilted(0.5, 0.3 + 10.0 * x), feed=np.inf), normal=out)
 
 
-@pytest.mark.parametrize("effort", ["low", "normal", "high"])
+@pytest.mark.parametrize("effort", ["low", "normal", pytest.param("high", marks=pytest.mark.sweep)])
 def test_a_plan_above_its_program_never_goes_below(effort, blade, machine):
     found = plan_program(blade, machine, ABOVE, AXIS, effort=effort)
     assert found.trajectory.usage().worst <= PROMISED and 0.9 * TIP < found.path.tip_deviation <= TIP

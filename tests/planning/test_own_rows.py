@@ -10,7 +10,6 @@ import pytest
 
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.common.errors import InfeasibleError, UsageError
-from toolpace.deflection.new_trajectory import replan
 from toolpace.judge import verify
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
@@ -247,8 +246,5 @@ def test_mistakes_are_told():
         plan(path, limits, rows=["slosh"])
     with pytest.raises(UsageError, match="give 'acceleration' or 'jerk'"):
         rows(kind="snap")
-    held = plan(path, limits, rows=rows(), bound=False)
-    with pytest.raises(UsageError, match=r"rows of one's own \(own\) are not held"):
-        replan(held, 0.5, np.zeros(3))
     with pytest.raises(InfeasibleError, match="the limit own"):
         plan(path, limits, rows=rows(lambda q: 1e4 * np.ones((q.shape[1], 2))), start=EndState(0.1))

@@ -38,6 +38,7 @@ def test_path_and_pace_together_save_time_within_limits_and_tolerances(normal, b
     tp.verify(high.trajectory, machine, blade, TIP, AXIS).raise_if_failed()
 
 
+@pytest.mark.sweep
 def test_a_path_fitted_within_a_narrow_tolerance_spends_a_wide_one(normal, blade, machine):
     """Of the tool axis: many times as wide as the one in which the path and its parameter count."""
     wide = math.radians(1.0)
@@ -49,6 +50,7 @@ def test_a_path_fitted_within_a_narrow_tolerance_spends_a_wide_one(normal, blade
     tp.verify(spent.trajectory, machine, blade, TIP, wide).raise_if_failed()
 
 
+@pytest.mark.sweep
 def test_tolerances_that_differ_from_place_to_place_are_held(blade, machine):
     lines = f"{blade.block[0]}-{blade.block[len(blade) // 2]}"
     axis = tp.Tolerances(math.radians(0.2), {lines: AXIS})
@@ -70,6 +72,7 @@ def test_a_short_program_is_changed_quickly_by_default(normal, blade, machine):
     tp.verify(normal.trajectory, machine, blade, TIP, AXIS).raise_if_failed()
 
 
+@pytest.mark.sweep
 def test_a_wider_tolerance_of_the_axis_costs_nothing(blade, machine):
     durations = [plan_program(blade, machine, TIP, math.radians(axis)).trajectory.duration for axis in (0.05, 0.3, 2.0)]
     assert durations[1] < durations[0] and durations[2] < durations[1]
@@ -211,6 +214,7 @@ def test_a_program_of_three_axes_is_not_swung(machine, effort):
     assert len(planned.rounds) > 1
 
 
+@pytest.mark.sweep
 def test_a_joint_that_rapids_position_stands_still_while_the_program_cuts(machine):
     indexed = "G0 Z50\nG0 A90\nX0 Y0 Z40\nG1 X20 F20000\nY4\nX0\nG0 Z60\nM30\n"
     planned = plan_program(tp.read_text(CORNERS + indexed, machine), machine, TIP, AXIS)

@@ -206,6 +206,7 @@ def test_narrower_tolerances_are_the_same_for_all_wider_ones():
     ]  # fmt: skip
 
 
+@pytest.mark.sweep
 def test_what_a_narrower_tolerance_gains_a_wider_one_has_too(blade, machine):
     """Of all that may be asked for in steps: the paths of the narrower are candidates of the wider."""
     hoped = [
@@ -270,7 +271,7 @@ def test_where_nothing_turns_no_narrower_tolerances_of_the_axis_are_tried(blade,
 def test_a_drill_does_not_keep_the_rest_of_a_program_from_its_rounds(machine, monkeypatch):
     """Where it turns back on its own way the pace held at the nodes falls to next to nothing, and tells nothing, but
     for finer cells there."""
-    cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
+    cut = "G21 G94\nG0 X0 Y0 Z0\nG1 X20 F20000\nY4\nX0\nG0 Z20\nG98 G83 X0 Y0 Z-12 R1 Q2 F1000\nG80\nG0 Z50\n"
     program = tp.read_text(cut, machine)
     rounds = fit_program(program, machine, TIP, AXIS).rounds
     assert len(rounds) == 3 and min(each.duration for each in rounds) < rounds[0].duration < 20.0
@@ -296,7 +297,7 @@ def as_it_was(meshed, law, workers):
 def test_a_run_that_was_ranked_by_a_whole_plan_is_not_planned_again(machine, monkeypatch):
     """Of a drill whose motion at the nodes counts as one that crawls; what is taken is what planning its path gives."""
     monkeypatch.setattr(candidate_evaluation, "crawls", lambda law: True)
-    cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-40 R1 Q2 F1000\nG80\nG0 Z50\n"
+    cut = "G21 G94\nG0 X0 Y0 Z20\nG98 G83 X0 Y0 Z-12 R1 Q2 F1000\nG80\nG0 Z50\n"
     fitted = fit_program(tp.read_text(cut, machine), machine, TIP, AXIS)
     known = next(each for each in fitted.candidates if set(each.joints.runs) <= set(each.whole))
     fitted = replace(fitted, candidates=(known,))

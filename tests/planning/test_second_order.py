@@ -96,7 +96,7 @@ def check_within(trajectory):
     assert dense_usage(trajectory, kinds=("velocity", "acceleration")) <= PROMISED
 
 
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", [0, *(pytest.param(block, marks=pytest.mark.sweep) for block in range(1, 4))])
 def test_random_paths_on_fixed_meshes(block):
     for seed in range(30 * block, 30 * block + 30):
         rng = np.random.default_rng(seed)
@@ -329,7 +329,9 @@ def test_velocity_alone_is_enough():
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("seed", range(1000, 1300))
+@pytest.mark.parametrize(
+    "seed", [*range(1000, 1060), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1060, 1300))]
+)
 def test_many_random_paths_with_random_ends(seed):
     rng = np.random.default_rng(seed)
     joints = int(rng.integers(1, 8))

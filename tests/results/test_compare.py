@@ -54,6 +54,7 @@ def loaded(plans, name):
     return PlannedMotion.load(found.folders[0], found.records[0])
 
 
+@pytest.mark.sweep
 def test_times_add_up_by_operation_and_by_limit(plans):
     found = compared([plans / "wide", plans / "tight"])
     assert found.names == ("wide", "tight") and not found.programs_differ
@@ -154,6 +155,7 @@ def test_plans_of_one_name_are_told_apart(plans, tmp_path):
     assert len(set(compared(folders).names)) == 2
 
 
+@pytest.mark.sweep
 @pytest.mark.browser
 def test_both_tools_run_and_every_place_leads_to_both(plans, page):
     wide, tight = (Trajectory.load(plans / name, exact=True) for name in ("wide", "tight"))

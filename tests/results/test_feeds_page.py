@@ -92,3 +92,21 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_work(tmp_path, ca
         assert main(words) == 2
         error = capsys.readouterr().err.strip()
         assert word in error and "\n" not in error
+
+
+def test_chips_after_are_those_at_the_spindle_speed_after(tmp_path):
+    (tmp_path / "slot.ngc").write_text(PROGRAM)
+    sheet = milling_sheet([(0, 0, -10), (30, 20, 0)], 8, 12, 30, spindle_range=[6000, 12000])
+    (tmp_path / "sheet.toml").write_text(sheet)
+    words = ["feeds", str(tmp_path / "slot.ngc"), "-m", "xyzac-trunnion", "--setup", str(tmp_path / "sheet.toml")]
+    words += ["--effort", "low", "--resolution", "1mm", "--finishing", "--spindle", "range", "--report"]
+    assert main([*words, str(tmp_path / "feeds.html")]) == 0
+    text = (tmp_path / "feeds.html").read_text(encoding="utf-8")
+    data = embedded(text)
+    rows = {(each["panel"], each["role"]): Arrays(data).numbers(each["data"]) for each in data["tracks"]}
+    in_cut = rows["chip", "before"] > 60.0
+    feeds, chips = (
+        [np.median(rows[panel, role][in_cut]) for role in ("before", "after")] for panel in ("program_feed", "chip")
+    )
+    assert feeds[1] == pytest.approx(2.0 * feeds[0], rel=0.01) and chips[1] == pytest.approx(chips[0], rel=0.01)
+    assert "6000 rpm, 12000 rpm after: spindle_range" in text

@@ -109,6 +109,7 @@ def test_a_tilt_that_no_joint_reaches_is_an_error(machine):
         tp.search_setup(curved_pass(), flat, choices, trials=20, mapped=0)
 
 
+@pytest.mark.sweep
 def test_a_forbidden_zone_is_kept_out_of(machine):
     given = tp.search_setup(curved_pass(), machine, DIRECTIONS, trials=20, shown=1, mapped=0).given
     assert given is not None
@@ -123,6 +124,7 @@ def test_a_forbidden_zone_is_kept_out_of(machine):
     assert found.places is not None and np.isnan(found.places.seconds).any() and found.places.fits
 
 
+@pytest.mark.sweep
 def test_a_program_in_joint_words_keeps_its_joints_as_given_only(machine):
     """It names A above zero all along, though the other solution turns as little: that is what `given` is."""
     text = "G21 G90 G94 G43.4 H1\nG0 X0 Y0 Z20 A-10 C0\nG1 X30 A-40 C60 F20000\nG1 Y20 A-15 C90\nM30\n"

@@ -144,14 +144,21 @@ app.command(app_page.app_command, name="app", group=START, help_epilogue="")
 
 
 @app.command(name="verify", group=PLAN, help_epilogue="")
-def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading = options.AS_WRITTEN) -> int:
+def verify_command(
+    directory: options.PlanFolder,
+    /,
+    *,
+    stated: feeds.StatedCut = feeds.NOTHING_STATED,
+    reading: options.Reading = options.AS_WRITTEN,
+) -> int:
     """Verify a plan again, from the files in its folder alone: limits, feeds, tolerances, rest, travel, figures.
 
     Nothing of the planner is used. Set-points are differentiated, put through the
     machine's forward kinematics and compared with the program. Each column and each
     figure of plan.json is recomputed; those that only the planner knows are listed.
     Exit code 1 if a check fails. The program is read as it was for the plan; options
-    given here replace those of the plan.
+    given here replace those of the plan. What its cut was promised to be is what the
+    folder says, and held against --limit, --material and --setup where they are given.
 
     For example:
 
@@ -161,7 +168,7 @@ def verify_command(directory: options.PlanFolder, /, *, reading: options.Reading
     from toolpace.cli.commands import verify
 
     console = new_console()
-    record, verification = verify.verify_folder(Path(directory), Steps(console), reading)
+    record, verification = verify.verify_folder(Path(directory), Steps(console), reading, stated.promise())
     summary.show_verification(console, record, verification)
     return 0 if verification.ok else 1
 

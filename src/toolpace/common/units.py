@@ -188,6 +188,11 @@ def format_angle(radians: float) -> str:
     return f"{_plain(radians / DEGREE, 4)} deg"
 
 
+def format_figure(value: float) -> str:
+    """A number for people: three figures, and all before the decimal point."""
+    return f"{value:.3g}" if abs(value) < 999.5 else f"{value:.0f}"
+
+
 def format_time(seconds: float) -> str:
     """Time for people: `12.3 ms`, `3.61 s`, `17 min 58.7 s`, `1 h 02 min 03 s`."""
     if not math.isfinite(seconds):

@@ -11,12 +11,13 @@ Rotary joints stay as they are: a bend of the tool turns its axis by far less th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
+from toolpace.common.errors import InfeasibleError
 from toolpace.deflection.rejoin_motion import CommandedMotion
 from toolpace.machine.limits import KINDS, Limits
 from toolpace.machine.machine import Machine
@@ -24,7 +25,11 @@ from toolpace.motion import joint_motion
 from toolpace.motion.laws import SlowedLaw, TimeLaw
 from toolpace.path.axis_path import AxisPath, check_travel, joint_ranges
 from toolpace.path.axis_run import AxisRun
+from toolpace.planning.limit_tolerances import PROMISED
 
+MOST_PACES = 30
+LEAST_SLOWER, MOST_SLOWER = 1.0005, 1.5
+"""By how much the pace is lowered at least and at most where a row is passed, and how often."""
 BETWEEN = 1.02
 """Rates of joints over those at the probes of their law: between them they may be a little higher."""
 
@@ -44,7 +49,20 @@ class Compensation:
         cls, bending: Floats, machine: Machine | None, limits: Limits, rest: Sequence[CommandedMotion]
     ) -> Compensation:
         """Against a bending, on the `rest` of the motion that was planned."""
-        return cls(-bending, machine, 1.0 if machine is None else pace_of(bending, machine, limits, rest))
+        by_joints = cls(-bending, machine, 1.0 if machine is None else pace_of(bending, machine, limits, rest))
+        return by_joints.within_rows(limits, rest) if limits.rows else by_joints
+
+    def within_rows(self, limits: Limits, rest: Sequence[CommandedMotion]) -> Compensation:
+        """With a pace at which rows, torques and limits over speed hold off the path too. Raises InfeasibleError."""
+        found = self
+        for _ in range(MOST_PACES):
+            motions = [found.motion(each) for each in rest]
+            worst = max(largest_row_use(motion, limits) for motion in motions)
+            if worst <= PROMISED:
+                return found
+            slower = min(max(worst**0.5, LEAST_SLOWER), MOST_SLOWER)
+            found = replace(found, pace=found.pace * slower)
+        raise InfeasibleError("bending: what makes up for it keeps rows or torques at no pace; stop the machine")
 
     def motion(self, original: CommandedMotion) -> CommandedMotion:
         """The motion to be commanded in place of one that keeps to the path."""
@@ -138,6 +156,15 @@ def check_compensated_travel(compensation: Compensation, rest: Sequence[Commande
         return
     runs = tuple(compensation.motion(motion).run for motion in rest)
     check_travel(AxisPath(runs, machine.joints, machine), begin=begin)
+
+
+def largest_row_use(motion: CommandedMotion, limits: Limits) -> float:
+    """The largest share of rows, torques and limits over speed that a motion uses at the probes of its law."""
+    worst, run = 0.0, motion.run
+    for probe in motion.law.probes():
+        q = np.ascontiguousarray(run.evaluate(np.clip(probe.state[0], run.s0, run.s1)))
+        worst = max(worst, *(float(rows.ratio(q, probe.state).max()) for rows in limits.rows))
+    return worst
 
 
 @lru_cache(8)

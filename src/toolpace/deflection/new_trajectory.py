@@ -33,13 +33,16 @@ from toolpace.deflection.rejoin.guaranteed import NOT_BEGUN, Standby
 from toolpace.deflection.rejoin.joint_splines import Problem
 from toolpace.deflection.rejoin.search import rejoin_of
 from toolpace.deflection.rejoin_motion import CommandedMotion
+from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
+from toolpace.motion.continuous_torque import continuous_shares
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.trajectory import Skipped, Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun
 from toolpace.path.follow_run import FollowRun
 from toolpace.path.path import Path
+from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.planning.planner import Planner
 
 if TYPE_CHECKING:
@@ -237,10 +240,20 @@ class DeflectedMotion:
             skipped = skipped_by(detour, run.s0)
             notes += [skipped_in_words(each, detour.machine) for each in skipped]
         path = AxisPath((run, *runs), trajectory.joints, trajectory.axis_path.machine)
+        notes += rows_above(trajectory.limits, np.stack([*self.start, 0.0 * self.start[0]]))
+        rated = continuous_shares(path, trajectory.limits, (law, *laws)).items()
+        notes += [f"{name}: the way left takes {100.0 * used:.4g} % of it" for name, used in rated if used > PROMISED]
         return Trajectory(
             path, trajectory.limits, (law, *laws), planner, notes=tuple(notes), skipped=skipped,
             solve_seconds=clock.perf_counter() - began,
         )  # fmt: skip
+
+
+def rows_above(limits: Limits, start: Floats) -> list[str]:
+    """Which rows and torques a motion is above at its start (4, m), and by how much, in words."""
+    state = np.array([[0.0], [1.0], [0.0], [0.0]])
+    found = [(rows.name, float(rows.ratio(start[:, None], state)[0])) for rows in limits.rows if rows.order == 1]
+    return [f"start above {name} by {100.0 * (used - 1.0):.3g} %" for name, used in found if used > PROMISED]
 
 
 def bending_compensation(
@@ -276,14 +289,9 @@ def check_replannable(trajectory: Trajectory, time: float, options: ReplanOption
     if not 0.0 <= time <= trajectory.duration:
         shown = max(min(time, 1e300), -1e300)  # a whole number may be too large for a float
         raise UsageError(f"replan: time {shown:g} s is not within the trajectory's {trajectory.duration:.6g} s")
-    if trajectory.limits.constants.curves:
-        names = ", ".join(f"{curve.kind} of {curve.joint}" for curve in trajectory.limits.constants.curves)
-        raise UsageError(
-            f"replan: limits that depend on the speed ({names}) are not held on the way back; plan with constant ones"
-        )
-    if trajectory.limits.rows:
+    if trajectory.limits.rows and options.timing.name == "genetic":
         names = ", ".join(rows.name for rows in trajectory.limits.rows)
-        raise UsageError(f"replan: rows of one's own ({names}) are not held on the way back; plan without them")
+        raise UsageError(f"replan: the planner 'genetic' does not hold {names}; give 'optimal' or 'direct'")
     if any(law.jumps.size for law in trajectory.laws):
         raise UsageError(
             f"replan: accelerations jump in a plan of planner {trajectory.planner}, so no way back from it can keep to"

@@ -78,8 +78,10 @@ def cut_program(
     steps: TimedSteps,
     left: StockRange | None,
     after_operation: Callable[[int, Stock], None],
+    check: Callable[[ToolPath], None] = lambda toolpath: None,
 ) -> ProgramCut:
-    """Plan and cut one program; `left` is the stock that another one left, else it is the sheet's."""
+    """Plan and cut one program; `left` is the stock that another one left, else it is the sheet's. check: raises
+    UsageError for what is not known of the program that was read."""
     from toolpace.cutting.simulation import set_up
     from toolpace.programs.reading.setup_file import with_cure_of_zero
 
@@ -102,6 +104,7 @@ def cut_program(
     set_up.check_before_planning(
         toolpath, request.options.setup, request.machine, request.resolution, request.memory, stock=left is None
     )
+    check(toolpath)
     with with_cure_of_zero(toolpath.assumed):
         planned = plan_steps.plan_motion(task, steps, plan_steps.fit_path(task, steps, toolpath))
     with warnings.catch_warnings():

@@ -6,18 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
-from toolpace.common.arrays import Floats
 from toolpace.common.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
-    from toolpace.controls.timing.figures import ControlFigures
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.limits import CutLimits
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs import TimedSteps
     from toolpace.judge import Verification
+    from toolpace.judge.cut import Bent
     from toolpace.machine.cutting_tool import CuttingTool
     from toolpace.machine.machine import Machine
     from toolpace.motion.setpoints import SetPointSource
@@ -79,18 +76,22 @@ class CutOptions:
     """Size of a cell of the stock [m]; None: the finest that `memory` has room for."""
     memory: float = 1e9
     """Most that the stock takes [bytes]."""
+    material: str = ""
+    """Name or file of what `rules` has the coefficients of."""
 
     def plan(self, job: Planning, steps: TimedSteps, toolpath: ToolPath, name: str) -> CutLimitedPlan:
         """The plan of a program of this name; what teaches does so at the speeds that its control reaches. Raises
         ToolpaceError."""
         from toolpace.controls.timing.program_time import figures_for
+        from toolpace.controls.timing.speeds import ControlSpeeds
         from toolpace.cutting.feeds.limited_plan import plan_within_cut
         from toolpace.path.axis_path import check_travel
         from toolpace.planning.program_plan import effort_for
 
         with steps.step("planning within the cut") as step:
             learns = self.rules.way == "learned"
-            reached = speeds_reached(toolpath, job.machine, figures_for(job.options, None)) if learns else None
+            figures = figures_for(job.options, None)
+            reached = ControlSpeeds.of(toolpath, job.machine, figures).mean if learns else None
             rules = replace(self.rules.for_machine(job.machine), spindle=job.options.setup.spindle)
             found = plan_within_cut(
                 toolpath, job.machine, job.options.setup, rules, job.tip_tolerance, job.axis_tolerance,
@@ -110,27 +111,30 @@ class CutOptions:
 
     def verified(
         self, job: Planning, steps: TimedSteps, found: Verification, points: SetPointSource, toolpath: ToolPath,
-        part: tuple[CutLimitsRecord, bytes],
+        fed: ToolPath, part: tuple[CutLimitsRecord, bytes],
     ) -> Verification:  # fmt: skip
-        """The judge's word, with that on the cut of the set-points along the program."""
+        """The judge's word, with that on the cut of the set-points along the program; fed: with the feeds that the cut
+        allows."""
         from toolpace.motion.setpoints import in_memory
         from toolpace.results import write
 
         with steps.step("verifying the cut"):
             checks = write.judged_cut(
                 part[0], write.cut_arrays(part[1]), in_memory(points), toolpath, job.options.setup, job.machine,
-                bends=job.tool is not None,
+                bent=bent_tool(job, fed),
             )  # fmt: skip
         return replace(found, checks=(*found.checks, *checks))
 
 
-def speeds_reached(toolpath: ToolPath, machine: Machine, figures: ControlFigures) -> Floats:
-    """(n,) mean speed of the tip on the way to each point by the model of the control [m/s]; 0 where it stands."""
-    from toolpace.controls.timing.program_time import moves_of_points, time_of_moves
+def bent_tool(job: Planning, fed: ToolPath) -> Bent | None:
+    """What the judge is told of a tool that bends; None where it is stiff."""
+    from toolpace.judge.cut import Bent
+    from toolpace.programs.tolerances import Tolerances
 
-    times = time_of_moves(moves_of_points(toolpath, machine), machine, figures).times - toolpath.dwell
-    speeds: Floats = np.divide(toolpath.way_length, times, out=np.zeros(len(times)), where=times > 0.0)
-    return np.minimum(speeds, np.where(np.isfinite(toolpath.feed), toolpath.feed, speeds))
+    if job.tool is None:
+        return None
+    tip, axis = (Tolerances.of(getattr(job, name), name) for name in ("tip_tolerance", "axis_tolerance"))
+    return Bent(job.tool, job.machine, fed, tip, axis)
 
 
 def cut_limits(words: Sequence[str]) -> dict[str, CutLimits]:

@@ -4,8 +4,9 @@ plan the program, and cut the stock along the motion
 the speed that its control reaches in each block      by its model
 speeds of the spindle, where they may change          OperationSpeed
 feeds by air, teachers or limits                      FeedPlan
-written into the program, and read back
+written into the program, and read back               what gains nothing on the control is left out
 the time before and after                             by the control's model, with its range
+the largest loads before and after                    at the speeds that the control reaches
 """
 
 from __future__ import annotations
@@ -13,21 +14,32 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from toolpace.jobs import TimedSteps
 from toolpace.jobs.cut import CutRequest, ProgramCut, cut_program
-from toolpace.jobs.cut_options import speeds_reached
 
 if TYPE_CHECKING:
+    from toolpace.common.arrays import Floats
     from toolpace.controls.export.cut_feeds import FeedProgram
     from toolpace.controls.timing.figures import ControlFigures
     from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.feed_plan import FeedPlan
+    from toolpace.cutting.feeds.largest_loads import LargestLoad
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.cutting.feeds.spindle_speeds import OperationSpeed
     from toolpace.cutting.simulation.simulate import CutSimulation
     from toolpace.programs.reading import ReadOptions, Source
+    from toolpace.programs.tool_figures import ToolFigures
+    from toolpace.programs.toolpath import ToolPath
+
+
+class Reached(NamedTuple):
+    """Of each stretch of a plan of feeds, (n,) the highest speed that the control reaches on the way to each station,
+    by its model [m/s]."""
+
+    before: tuple[Floats, ...]
+    after: tuple[Floats, ...]
 
 
 @dataclass(frozen=True)
@@ -45,6 +57,11 @@ class NewFeeds:
     written: FeedProgram
     before: ProgramTime
     after: ProgramTime
+    reached: Reached
+    turned: ToolPath
+    """The program as it was, with the spindle speeds after."""
+    largest: tuple[LargestLoad, ...]
+    """By tool and kind, at the speeds reached; of tools whose teeth and spindle speed are known."""
     spindle: tuple[OperationSpeed, ...] = ()
     """Of each operation; empty where no speed may change and no tool has a stability chart."""
 
@@ -62,7 +79,10 @@ def new_feeds(
     from toolpace.controls.export.cut_feeds import with_cut_feeds
     from toolpace.controls.export.spindle_words import SpindleWords
     from toolpace.controls.timing.program_time import figures_for
+    from toolpace.controls.timing.speeds import ControlSpeeds
+    from toolpace.cutting.feeds.feed_moves import FeedMoves, check_tools
     from toolpace.cutting.feeds.feed_plan import plan_feeds
+    from toolpace.cutting.feeds.largest_loads import largest_loads
     from toolpace.cutting.feeds.spindle_speeds import spindle_speeds
     from toolpace.programs.reading import Source
     from toolpace.programs.reading.languages import with_controller
@@ -70,12 +90,22 @@ def new_feeds(
     source = Source.load(program)
     options, found = with_controller(source, request.dialect, request.options)
     figures = figures_for(options, None)
-    cut = cut_program(program, request, steps, None, lambda operation, stock: None)
+    rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
+
+    def tools_of(toolpath: ToolPath) -> list[ToolFigures | None]:
+        return [options.setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
+
+    def check(toolpath: ToolPath) -> None:
+        rules.check(toolpath)
+        if options.setup.workpiece.stock or toolpath.workpiece.stock:
+            # on a guessed stock no feed is raised, and what is missing is told with the feeds as they are
+            check_tools(toolpath, tools_of(toolpath), rules)
+
+    cut = cut_program(program, request, steps, None, lambda operation, stock: None, check)
     with steps.step("time before"):
         before = control_time(source, request, options, figures)
-        reached = speeds_reached(cut.toolpath, request.machine, figures)
-    tools = [options.setup.figures_of(each.tool) or each.figures for each in cut.toolpath.operations]
-    rules = replace(rules.for_machine(request.machine), spindle=options.setup.spindle)
+        speeds_before = ControlSpeeds.of(cut.toolpath, request.machine, figures)
+    tools = tools_of(cut.toolpath)
     text, toolpath = source, cut.toolpath
     speeds: tuple[OperationSpeed, ...] = ()
     if turns or any(each is not None and each.stability is not None for each in tools):
@@ -86,13 +116,27 @@ def new_feeds(
             step.note = f"{sum(each.ratio != 1.0 for each in speeds)} operations with another speed"
     with steps.step("feeds") as step:
         ratio = [each.ratio for each in speeds]
-        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached, ratio)
-        written = with_cut_feeds(text, request.machine, request.dialect, options, toolpath, plan, divide)
+        plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, speeds_before.mean, ratio)
+        written = with_cut_feeds(
+            text, request.machine, request.dialect, options, toolpath, plan, divide,
+            lambda path: ControlSpeeds.of(path, request.machine, figures).times,
+        )  # fmt: skip
         step.note = f"{written.changed} blocks with another feed"
     with steps.step("time after"):
         after = control_time(Source.from_bytes(written.data, source.name), request, options, figures)
+        speeds_after = ControlSpeeds.of(written.toolpath, request.machine, figures)
+    with steps.step("loads"):
+        old = FeedMoves.of(cut.simulation, cut.toolpath, tools, rules, None)
+        new = FeedMoves.of(cut.simulation, cut.toolpath, tools, rules, None, ratio) if len(ratio) else old
+        reached = Reached(
+            tuple(speeds_before.highest[each.stations.point] for each in old.stretches),
+            tuple(speeds_after.highest[written.points_at(toolpath, each.x)] for each in plan.places),
+        )
+        largest = largest_loads(old, new, *reached)
     name = found.controller.name if found.controller is not None else ""
-    return NewFeeds(program, name, figures.model, cut, rules, plan, written, before, after, speeds)
+    return NewFeeds(
+        program, name, figures.model, cut, rules, plan, written, before, after, reached, toolpath, largest, speeds
+    )
 
 
 def control_time(
@@ -113,7 +157,7 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
     scales = {"chip": ("chip_mm", 1e3), "removal_rate": ("removal_mm3_s", 1e9), "force": ("force_N", 1.0)}
     scales |= {"torque": ("torque_Nm", 1.0), "power": ("power_W", 1.0), "deflection": ("deflection_mm", 1e3)}
     largest: dict[str, dict[str, Mapping[str, float]]] = {}
-    for load in found.plan.largest:
+    for load in found.largest:
         key, scale = scales[load.kind]
         largest.setdefault(load.tool, {})[key] = {"before": scale * load.before, "after": scale * load.after}
     return {
@@ -133,6 +177,8 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
         "blocks_changed": found.written.changed,
         "blocks_divided": found.written.divided,
         "lines_above": list(found.written.above),
+        "lines_below": list(found.written.below),
+        "missed_s": found.written.missed,
         "spindle": [
             {
                 "name": each.name, "tool": each.tool, "before_rpm": 60.0 * each.before, "after_rpm": 60.0 * each.after,

@@ -20,6 +20,8 @@ from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.jobs import TimedSteps, motion_cut
 from toolpace.jobs.job import Job, holds_all, loaded, program_name, refuse_without_room, with_tolerances_in
+from toolpace.machine.limits import CONTINUOUS
+from toolpace.motion.active_limits import BINDING
 from toolpace.planning.limit_tolerances import PROMISED
 
 if TYPE_CHECKING:
@@ -71,8 +73,8 @@ def carry_out(job: Job, steps: TimedSteps) -> tuple[PlanRecord, Verification]:
     verification = verify_motion(steps, sampled.judge)
     cut_limits = None
     if limits is not None:
-        cut_limits = write.cut_part(within_cut, limits.rules)
-        verification = limits.verified(job, steps, verification, sampled.points, programmed, cut_limits)
+        cut_limits = write.cut_part(within_cut, limits.rules, job.options.setup, limits.material)
+        verification = limits.verified(job, steps, verification, sampled.points, programmed, toolpath, cut_limits)
     result = write.PlanResult(
         trajectory=trajectory,
         machine=job.machine,
@@ -186,7 +188,7 @@ def engaged_by_stock(job: Job, steps: TimedSteps, toolpath: ToolPath) -> Job:
     stiff = replace(job, tool=None, effort="low")
     trajectory = plan_motion(stiff, steps, fit_path(stiff, steps, toolpath)).trajectory
     simulation = motion_cut.cut_motion(setup, steps, trajectory, toolpath, finest=motion_cut.CELL_FOR_TIMES)
-    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    tools = [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
     with steps.step("forces"):
         tool = with_engaged_deflection(job.tool, simulation, toolpath, tools)
     return replace(job, tool=tool)
@@ -226,6 +228,9 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
 def priced(job: Job, steps: TimedSteps, trajectory: Trajectory) -> dict[str, float]:
     """What one percent more of each limit would gain [s]; nothing where that was not asked for."""
     if not job.prices:
+        return {}
+    if any(name.startswith(CONTINUOUS) and share >= BINDING for name, share in trajectory.usage().rows.items()):
+        steps.say("no prices: the motion was slowed for the continuous rating of a motor, which has none")
         return {}
     with steps.step("pricing") as step:
         prices = trajectory.prices()

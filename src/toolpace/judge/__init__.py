@@ -46,7 +46,7 @@ from toolpace.judge.seen_motion import (
     largest_misfits,
 )
 from toolpace.judge.tool import length_checks, pole_rounding, tool_checks, tool_lengths, tool_table
-from toolpace.judge.torque import JointTorques, torque_checks
+from toolpace.judge.torque import JointTorques, rating_checks, torque_checks
 from toolpace.judge.verification import Check, Verification
 from toolpace.machine.cutting_tool import CuttingTool
 from toolpace.machine.limits import Limits
@@ -188,7 +188,7 @@ class _Notes(NamedTuple):
     jerks: JerkWindows
     tool: BlockTool | None
     still: StillSteps
-    torque: Largest | None
+    torque: tuple[Largest, Floats] | None
 
 
 class MotionJudge:
@@ -203,7 +203,7 @@ class MotionJudge:
         limits = machine if isinstance(machine, Limits) else machine.limits
         self.limits, self.over_speed = limits.largest, limits.constants
         torques = None if self.machine is None else JointTorques(self.machine.file)
-        self._torques = torques if torques is not None and np.isfinite(torques.limits).any() else None
+        self._torques = torques if torques is not None and torques.held.any() else None
         self._notes: dict[int, _Notes] = {}
         self._bad: dict[str, tuple[int, int]] = {}
         self._lock = threading.Lock()
@@ -293,8 +293,11 @@ class MotionJudge:
         checks += curve_checks(self.source, self.over_speed, units, self.step, self._even)
         checks += column_checks(seen, self.limits, units) + rest_checks(seen, self.limits, units)
         if self._torques is not None:
-            largest = Largest.of_all([each for each in torques if each is not None])
-            checks += torque_checks(seen, largest, self._torques.limits, units)
+            largest, values = zip(*(each for each in torques if each is not None))
+            checks += torque_checks(seen, Largest.of_all(largest), self._torques, units)
+            if self._torques.rated:
+                times = self.source.times(np.arange(count))
+                checks += rating_checks(self._torques, times, np.concatenate(values), units)
         judged = ProgramJudgement([], math.nan, math.nan)
         if machine is not None:
             checks += self._names(machine) + tool_checks(seen, machine)

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Floats
+from toolpace.common.arrays import Bools, Floats
 from toolpace.judge.motion import TOLERANCE
 from toolpace.judge.seen_motion import Largest, SeenMotion
 from toolpace.judge.verification import Check
 from toolpace.machine.file import JointFile, MachineFile
+from toolpace.machine.limits import CONTINUOUS
 from toolpace.motion.setpoints import Block
 
 STILL = 1e-9
@@ -31,14 +32,35 @@ class JointTorques:
     file: MachineFile
 
     @property
-    def limits(self) -> Floats:
-        """(m,) the largest of each [N m, N]; inf where none is held."""
-        return np.array([joint.most_torque for joint in self.file.joints.values()])
+    def held(self) -> Bools:
+        """(m,) whether the motor of a joint has a limit."""
+        return np.array([joint.motor is not None for joint in self.file.joints.values()])
 
-    def largest(self, block: Block, begin: int, end: int) -> Largest:
-        """The largest of each joint, without sign, in the rows from `begin` to `end` of a block."""
+    def limits(self, qd: Floats) -> Floats:
+        """(n, m) the largest of each [N m, N] at velocities (n, m), straight between the corners of a motor's curve;
+        inf where none is held."""
+        out = np.full(qd.shape, np.inf)
+        for k, joint in enumerate(self.file.joints.values()):
+            if joint.motor is not None:
+                out[:, k] = np.interp(np.abs(qd[:, k]), joint.motor.speed, joint.motor.limit)
+        return out
+
+    @property
+    def rated(self) -> list[int]:
+        """The joints whose motors have a continuous rating."""
+        return [k for k, joint in enumerate(self.file.joints.values()) if joint.continuous is not None]
+
+    def shares(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        """(n, m) torques over their limits, without sign, of positions, velocities and accelerations (n, m)."""
+        shares: Floats = np.abs(self.at(q, qd, qdd)) / self.limits(qd)
+        return shares
+
+    def largest(self, block: Block, begin: int, end: int) -> tuple[Largest, Floats]:
+        """The largest share of each joint's limit in the rows from `begin` to `end` of a block; and there the torques
+        (n, k) of those with a continuous rating."""
         q, qd, qdd = (block.columns(name, begin, end).T for name in ("q", "qd", "qdd"))
-        return Largest.of(np.abs(self.at(q, qd, qdd).T), begin)
+        values = self.at(q, qd, qdd)
+        return Largest.of((np.abs(values) / self.limits(qd)).T, begin), values[:, self.rated]
 
     def at(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """(n, m) of positions, velocities and accelerations (n, m) [m or rad, s]."""
@@ -88,15 +110,58 @@ class JointTorques:
         return out
 
 
-def torque_checks(seen: SeenMotion, largest: Largest, limits: Floats, units: Sequence[str]) -> list[Check]:
-    """Each joint's torque or force against its limit, where there is one."""
+def torque_checks(seen: SeenMotion, largest: Largest, torques: JointTorques, units: Sequence[str]) -> list[Check]:
+    """Each joint's torque or force against its limit at the speed there, where most of it is taken."""
     checks = []
-    for j in np.flatnonzero(np.isfinite(limits)).tolist():
-        value, limit = float(largest.value[j]), float(limits[j])
-        time, block = seen.place(int(largest.row[j]))
+    for j in np.flatnonzero(torques.held).tolist():
+        row = int(largest.row[j])
+        time, block = seen.place(row)
+        limit = float(torques.limits(seen.source.rows(row, row + 1).qd)[0, j])
+        value = float(largest.value[j]) * limit
         what, unit = ("force", "N") if units[j] == "m" else ("torque", "N m")
         ok = value <= limit * (1.0 + TOLERANCE)
         checks.append(Check(what, value, limit, unit, ok, time, block, seen.joints[j]))
+    return checks
+
+
+def rated_shares(torques: JointTorques, t: Floats, values: Floats) -> list[float]:
+    """The largest root mean square of each rated torque over its window, over the rating; of torques (n, m) at t (n,).
+
+    The square is straight between set-points: a window begins or ends at one of them, or lies over all.
+    """
+    joints = list(torques.file.joints.values())
+    return [
+        largest_mean(t, values[:, k] ** 2, joints[k].thermal_window) ** 0.5 / (joints[k].continuous or math.inf)
+        for k in torques.rated
+    ]
+
+
+def largest_mean(t: Floats, square: Floats, window: float) -> float:
+    """The largest mean over a window of time of what is `square` (n,) at times t (n,), straight between them."""
+    span = float(t[-1] - t[0]) if len(t) else 0.0
+    if not span > 0.0:
+        return float(square.max(initial=0.0))
+    heat = np.zeros(len(t))
+    np.cumsum(np.diff(t) * (square[1:] + square[:-1]) / 2.0, out=heat[1:])
+    if not window < span:
+        return float(heat[-1]) / span
+    last, first = np.minimum(t + window, t[-1]), np.maximum(t - window, t[0])
+    ahead = (np.interp(last, t, heat) - heat)[t + window <= t[-1]]
+    behind = (heat - np.interp(first, t, heat))[t - window >= t[0]]
+    return max(float(part.max(initial=0.0)) for part in (ahead, behind)) / window
+
+
+def rating_checks(torques: JointTorques, t: Floats, values: Floats, units: Sequence[str]) -> list[Check]:
+    """The root mean square of each rated torque (n, k) at times t (n,) against its rating."""
+    checks, joints = [], list(torques.file.joints.items())
+    whole = np.zeros((len(t), len(joints)))
+    whole[:, torques.rated] = values
+    for k, share in zip(torques.rated, rated_shares(torques, t, whole)):
+        name, joint = joints[k]
+        what, unit = ("force", "N") if units[k] == "m" else ("torque", "N m")
+        rating, ok = joint.continuous or 0.0, share <= 1.0 + TOLERANCE
+        note = "root mean square" + (f" over {joint.thermal_window:g} s" if math.isfinite(joint.thermal_window) else "")
+        checks.append(Check(f"{CONTINUOUS}{what}", share * rating, rating, unit, ok, joint=name, note=note))
     return checks
 
 

@@ -12,8 +12,9 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.judge.feed_check import FeedUse
 from toolpace.judge.motion import TOLERANCE, limit_over_speed
-from toolpace.judge.torque import JointTorques
+from toolpace.judge.torque import JointTorques, rated_shares
 from toolpace.judge.verification import Check
+from toolpace.machine.limits import CONTINUOUS
 from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.toolpath import ToolPath
@@ -87,8 +88,8 @@ class UsageFigures:
                 if not least <= said <= most:
                     note = f"by the set-points {least:.6g} to {most:.6g}"
                     checks.append(Check(f"plan.json usage {kind}", said, peak, "", False, joint=joint, note=note))
-        checks += [*self.of_curves(), *self.of_motors(), *self.of_feed()]
-        above += map(float, (*usage.get("curves", {}).values(), *usage.get("motor", {}).values()))
+        checks += [*self.of_curves(), *self.of_motors(), *self.of_ratings(), *self.of_feed()]
+        above += [float(value) for kind in ("curves", "motor", "continuous") for value in usage.get(kind, {}).values()]
         if not checks:
             worst = max([*above, float(usage["feed"])])
             checks.append(Check("plan.json usage", worst, 1.0, "", worst <= 1.0 + TOLERANCE, note="of each limit"))
@@ -98,8 +99,7 @@ class UsageFigures:
         """The use of torques and forces: not below that of the set-points, nor above it by more than its largest step
         between two of them."""
         said, torques, names = self.said["usage"].get("motor", {}), JointTorques(self.machine.file), self.machine.joints
-        limits = torques.limits
-        if set(said) != {name for name, limit in zip(names, limits) if math.isfinite(limit)}:
+        if set(said) != {name for name, held in zip(names, torques.held) if held}:
             return [wrong("usage motor", f"names {', '.join(said)}: not the joints whose motors have limits")]
         checks = []
         shares = self.motor_shares() if said else np.zeros((1, 0))
@@ -111,12 +111,25 @@ class UsageFigures:
                 checks.append(Check("plan.json usage motor", float(value), least, "", False, joint=joint, note=note))
         return checks
 
+    def of_ratings(self) -> list[Check]:
+        """The use of motors' continuous ratings, against the root mean square over the set-points."""
+        said, torques, points = self.said["usage"].get("continuous", {}), JointTorques(self.machine.file), self.points
+        if set(said) != {self.machine.joints[k] for k in torques.rated}:
+            return [wrong("usage continuous", f"names {', '.join(said) or 'none'}: not the joints with a rating")]
+        found = rated_shares(torques, points.t, torques.at(points.q, points.qd, points.qdd)) if said else []
+        checks = []
+        for joint, shown in zip(said, found):
+            if not abs(float(said[joint]) - shown) <= LOOK * shown + TOLERANCE:
+                note = f"by the set-points {shown:.6g}"
+                checks.append(
+                    Check("plan.json usage continuous", float(said[joint]), shown, "", False, joint=joint, note=note)
+                )
+        return checks
+
     def motor_shares(self) -> Floats:
         """(n, k) torques and forces at the set-points over their limits, of the joints that have one."""
         torques, points = JointTorques(self.machine.file), self.points
-        held = np.isfinite(torques.limits)
-        shares: Floats = np.abs(torques.at(points.q, points.qd, points.qdd)[:, held]) / torques.limits[held]
-        return shares
+        return torques.shares(points.q, points.qd, points.qdd)[:, torques.held]
 
     @property
     def motors(self) -> list[str]:
@@ -125,7 +138,7 @@ class UsageFigures:
         return [
             f"{'force' if joint.kind == 'linear' else 'torque'} {name}"
             for name, joint in joints
-            if math.isfinite(joint.most_torque)
+            if joint.motor is not None
         ]
 
     def curve_shares(self) -> dict[str, Floats]:
@@ -182,9 +195,10 @@ class UsageFigures:
         said = {name: float(share) for name, share in self.said["limited_by"].items()}
         limits = ["feed", *(f"{kind} {joint}" for kind in KINDS for joint in self.machine.joints)]
         limits += [*self.curve_shares(), *self.motors]
+        ratings = [CONTINUOUS + name for name in self.motors]
         profile = None if self.toolpath is None else self.toolpath.speed_profile
         loads = () if profile is None else profile.names
-        strange = [name for name in said if name not in (*limits, *loads, "dwell", "nothing")]
+        strange = [name for name in said if name not in (*limits, *ratings, *loads, "dwell", "nothing")]
         total = sum(said.values())
         if strange or min(said.values(), default=0.0) < 0.0 or not abs(total - 1.0) <= 1e-6:
             note = f"names {', '.join(strange)}" if strange else f"shares add up to {total:.6g}, not to 1"

@@ -14,8 +14,8 @@ import msgspec
 from toolpace.common.errors import MachineError, UsageError, did_you_mean
 from toolpace.common.files.toml import TableFile
 from toolpace.common.units import JOINT_LIMITS, parse_joint_limit
-from toolpace.machine.curves_file import check_speeds, curved_limits
-from toolpace.machine.limit_curves import CurvedLimit
+from toolpace.machine.curves_file import check_speeds, curved_limits, motor_curve
+from toolpace.machine.limit_curves import CurvedLimit, LimitCurve
 from toolpace.machine.limits import KINDS
 from toolpace.machine.plausibility import (
     LONGEST_NOTE,
@@ -26,6 +26,7 @@ from toolpace.machine.plausibility import (
     check_mass,
     check_name,
     check_place,
+    check_rating,
     check_text,
 )
 
@@ -74,9 +75,15 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     travel: tuple[float, float] | None = None
     wrap: bool = False
     force: float | None = None
-    """Most of a linear joint's motor [N]; None where it is not held."""
+    """Most of a linear joint's motor [N], at any speed; None where it is not held."""
     torque: float | None = None
     """Most of a rotary joint's motor, at the joint [N m]."""
+    force_continuous: float | None = None
+    """Most of its root mean square over the thermal window [N]."""
+    torque_continuous: float | None = None
+    """The same of a rotary joint's motor [N m]."""
+    thermal_window: float = math.inf
+    """Time over which the mean square is taken [s]; inf: the whole motion."""
     mass: float = 0.0
     """Of what the joint moves, without what is moved by joints on it [kg]."""
     centre: Vector = (0.0, 0.0, 0.0)
@@ -96,11 +103,23 @@ class JointFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The limits that fall with its speed, as CurvedLimit [m or rad, s]: of those keys that are more than a number, in
     place of which the least value stands."""
 
+    motor_curve: Any = None
+    """The motor's limit over the speed of the joint, as LimitCurve [m/s and N, rad/s and N m], where it is more than a
+    number: its least value stands in `force` or `torque`."""
+
     @property
-    def most_torque(self) -> float:
-        """The limit of the motor's torque or force [N m, N]; inf where there is none."""
+    def motor(self) -> LimitCurve | None:
+        """The limit of the motor's torque or force over the speed of the joint; None where there is none."""
         limit = self.force if self.kind == "linear" else self.torque
-        return math.inf if limit is None else limit
+        if limit is None or math.isinf(limit):
+            return None
+        curve: LimitCurve = self.motor_curve or LimitCurve([[0.0, limit]])
+        return curve
+
+    @property
+    def continuous(self) -> float | None:
+        """The motor's continuous rating [N m, N]; None where there is none."""
+        return self.force_continuous if self.kind == "linear" else self.torque_continuous
 
 
 class WorkpieceFile(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -140,9 +159,10 @@ def read_machine(text: str, source: str) -> MachineFile:
         check_name(name, "the name of a joint", source)
     length, angle = LENGTHS[units.length], ANGLES[units.angle]
     written = {name: _with_units(value, f"{source}: joint {name}") for name, value in raw["joints"].items()}
-    curves, joints = {}, {}
+    curves, motors, joints = {}, {}, {}
     for name, value in raw["joints"].items():
         value, curves[name] = curved_limits(value, name, (length, angle), f"{source}: joint {name}")
+        value, motors[name] = motor_curve(value, (length, angle), f"{source}: joint {name}")
         plain = _in_file_units(value, written[name], length, angle)
         joints[name] = _convert(plain, JointFile, f"[joints.{name}]", source)
     for key in ("name", "note"):
@@ -172,6 +192,7 @@ def read_machine(text: str, source: str) -> MachineFile:
                 "every joint at zero, like point = [0, 0, 0]"
             )
         check_body(joint, place)
+        check_rating(joint, (motors[name] or joint.motor), place)
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),
@@ -179,6 +200,7 @@ def read_machine(text: str, source: str) -> MachineFile:
             **{key: written[name].get(key, getattr(joint, key) * scale) for key in KINDS},
             travel=None if joint.travel is None else (joint.travel[0] * scale, joint.travel[1] * scale),
             curves=tuple(curves[name]),
+            motor_curve=motors[name],
         )
     workpiece = _workpiece(raw.get("workpiece"), length, source)
     in_order = _in_columns(raw.get("columns"), joints, source)
@@ -264,7 +286,7 @@ def _check_keys(
 def _convert(raw: object, kind: type[Table], place: str, source: str) -> Table:
     if not isinstance(raw, dict):
         raise MachineError(f"{source}: {place} must be a table")
-    fields = [field for field in msgspec.structs.fields(kind) if field.name != "curves"]
+    fields = [field for field in msgspec.structs.fields(kind) if field.name not in ("curves", "motor_curve")]
     _check_keys(
         raw,
         tuple(field.name for field in fields),

@@ -13,7 +13,7 @@ from toolpace.common.errors import printable
 from toolpace.common.files.toml import toml_value
 from toolpace.common.units import DEGREE, MILLIMETRE
 from toolpace.machine import kinematics
-from toolpace.machine.curves_file import curve_text, figures_of
+from toolpace.machine.curves_file import corners_text, curve_text, figures_of
 from toolpace.machine.file import ANGLES, GRAVITY, LENGTHS, JointFile, MachineFile, WorkpieceFile
 from toolpace.machine.geometry import Geometry
 from toolpace.machine.limits import MOTORS
@@ -74,8 +74,9 @@ def units_of(file: MachineFile) -> tuple[str, str]:
 
 
 def _motion(joint: JointFile) -> tuple[float, ...]:
+    motor = () if joint.motor is None else joint.motor.speed.tolist()
     return (
-        *(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk, *figures_of(joint.curves)
+        *(joint.travel or ()), joint.velocity, joint.acceleration, joint.jerk, *figures_of(joint.curves), *motor
     )  # fmt: skip
 
 
@@ -170,9 +171,16 @@ def _joint(file: MachineFile, name: str, length: str, angle: str, leaning: str) 
         figure, over = texts.get(kind, _figure(getattr(joint, kind), scale)), f" over {unit}/s" if kind in texts else ""
         yield f"{kind} = {figure}", f"{unit}/s^{power}{over}"
     per = "N m" if rotary else "N"
-    for limit, what in ((joint.force, "force"), (joint.torque, "torque")):
-        if limit is not None:
-            yield f"{what} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    limit = joint.torque if rotary else joint.force
+    if joint.motor_curve is not None:
+        text = corners_text(joint.motor_curve, lambda speed: _figure(speed, scale), _figure)
+        yield f"{MOTORS[rotary]} = {text}", f"{per} over {unit}/s, of the motor at the joint"
+    elif limit is not None:
+        yield f"{MOTORS[rotary]} = {_figure(limit)}", f"{per}, of the motor at the joint"
+    if joint.continuous is not None:
+        yield f"{MOTORS[rotary]}_continuous = {_figure(joint.continuous)}", f"{per}, root mean square over the window"
+        if math.isfinite(joint.thermal_window):
+            yield f"thermal_window = {_figure(joint.thermal_window)}", "s"
     yield from _body(joint, LENGTHS[length])
     for value, what, comment in (
         (joint.rotor_inertia, "rotor_inertia", f"{'kg m^2' if rotary else 'kg'}, of motor and gear at the joint"),
@@ -247,9 +255,10 @@ def rows(file: MachineFile, kind: str) -> list[dict[str, str]]:
                 "jerk": f"{_range(joint, 'jerk', scale)} {unit}/s^3",
             }
         )
-        if math.isfinite(joint.most_torque):
-            turns = joint.kind == "rotary"
-            table[-1][MOTORS[turns]] = f"{joint.most_torque:g} {('N', 'N m')[turns]}"
+        if joint.motor is not None:
+            turns, falls = joint.kind == "rotary", joint.motor.least < joint.motor.largest
+            largest = f"{joint.motor.largest:g} .. " if falls else ""
+            table[-1][MOTORS[turns]] = f"{largest}{joint.motor.least:g} {('N', 'N m')[turns]}"
     return table
 
 

@@ -18,6 +18,8 @@ from toolpace.machine.rows import Rows
 KINDS = ("velocity", "acceleration", "jerk")
 MOTORS = ("force", "torque")
 """What limits of motors are named, of linear and of rotary joints: "force X", "torque A"."""
+CONTINUOUS = "continuous "
+"""What stands before that where a motor's continuous rating is meant."""
 
 MOST_SCALED = 20.0
 """Factor of limits that is not asked about: percents are more."""

@@ -24,6 +24,8 @@ FARTHEST = 1e3
 """Most of a coordinate of a machine [m]: a kilometre is a slip of units."""
 LARGEST = 1e6
 """Most of a travel that is not endless [m or rad], and of an entry of a direction."""
+STRONGEST = 20.0
+"""Most of gravity [m/s^2]: twice that of the earth. 9806.65 is in mm."""
 SLOWEST = 1e-9
 """Least that a limit of a joint is [m or rad per s, s^2, s^3]."""
 
@@ -67,6 +69,8 @@ class Chain(Protocol):
 
     @property
     def tool_length(self) -> float: ...
+    @property
+    def gravity(self) -> tuple[float, float, float]: ...
 
 
 class Body(Protocol):
@@ -87,6 +91,15 @@ class DrivenJoint(Body, Protocol):
     def kind(self) -> str: ...
     @property
     def balance(self) -> float: ...
+    @property
+    def thermal_window(self) -> float: ...
+
+
+class Motor(Protocol):
+    """What is looked at of a motor."""
+
+    @property
+    def largest(self) -> float: ...
 
 
 class Joint(Protocol):
@@ -126,6 +139,11 @@ def check_chain(chain: Chain, source: str) -> None:
     if not abs(chain.tool_length) <= FARTHEST:
         raise MachineError(
             f"{source}: [chain] tool_length is {chain.tool_length:g} m; give a finite number, at most {FARTHEST:g} m"
+        )
+    if not math.hypot(*chain.gravity) <= STRONGEST:
+        raise MachineError(
+            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most "
+            f"{STRONGEST:g} together, whatever the units of the file"
         )
 
 
@@ -212,6 +230,25 @@ def check_body(joint: DrivenJoint, place: str) -> None:
     limit = getattr(joint, mine)
     if limit is not None and not limit > 0.0:
         raise MachineError(f"{place}: {mine} = {limit:g} {unit}; give a number above zero, or leave it out")
+
+
+def check_rating(joint: DrivenJoint, motor: Motor | None, place: str) -> None:
+    """Refuse a continuous rating that a motor cannot have."""
+    mine, other, unit = ("force", "torque", "N") if joint.kind == "linear" else ("torque", "force", "N m")
+    if getattr(joint, f"{other}_continuous") is not None:
+        raise MachineError(f"{place}: {other}_continuous is not that of a {joint.kind} joint; write {mine}_continuous")
+    rating, window = getattr(joint, f"{mine}_continuous"), joint.thermal_window
+    if not window > 0.0:
+        raise MachineError(f"{place}: thermal_window = {window:g} s; give a time above zero, or leave it out")
+    if rating is None:
+        if math.isfinite(window):
+            raise MachineError(f"{place}: thermal_window without {mine}_continuous; give that too, in {unit}")
+        return
+    if not 0.0 < rating < math.inf:
+        raise MachineError(f"{place}: {mine}_continuous = {rating:g} {unit}; give a number above zero, or leave it out")
+    if motor is None or rating > motor.largest:
+        most = "without a limit" if motor is None else f"above {mine} = {motor.largest:g} {unit}"
+        raise MachineError(f"{place}: {mine}_continuous = {rating:g} {unit} {most}; give the motor's largest as {mine}")
 
 
 def is_usual(kind: str, key: str, figure: float) -> bool:

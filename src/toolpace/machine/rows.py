@@ -123,7 +123,7 @@ class Rows:
     def shares(self, q: Floats) -> Floats:
         """(n, count, 3) coefficients of z, z', z'' over the limit, from the joints q (4, n, joints)."""
         with self._lock:
-            found = np.asarray(self.function(q), dtype=float)
+            found = self._figures(self.function(q), "the function gives")
         width = ORDERS[self.kind]
         if found.shape == (q.shape[1], width) and self.count == 1:
             found = found[:, None]
@@ -132,9 +132,7 @@ class Rows:
                 f"rows {self.name}: the function gives shape {found.shape} for {q.shape[1]} places; it must be "
                 f"({q.shape[1]}, {self.count}, {width})"
             )
-        if not np.isfinite(found).all():
-            worst = found[~np.isfinite(found)][0]
-            raise UsageError(f"rows {self.name}: the function gives {worst}; give finite numbers")
+        self._check_finite(found, "the function gives")
         out = np.zeros((q.shape[1], self.count, 3))
         out[:, :, :width] = found[:, :, ::-1] / self.limit
         return out
@@ -143,7 +141,7 @@ class Rows:
         """(2, n, count, pieces, choices, 2) height and fall of the lines above and below zero over the limit."""
         assert self.lines is not None
         with self._lock:
-            sides = [np.asarray(side, dtype=float) for side in self.lines(q)]
+            sides = [self._figures(side, "lines with") for side in self.lines(q)]
         sides = [side[:, :, :, None] if side.ndim == 4 else side for side in sides]
         wanted = (q.shape[1], self.count, self.pieces)
         for side in sides:
@@ -153,9 +151,29 @@ class Rows:
                     f"rows {self.name}: lines of shape {side.shape} for {n} places; they must be ({n}, {count}, "
                     f"{pieces}, 2), or ({n}, {count}, {pieces}, choices, 2)"
                 )
-            if not np.isfinite(side).all():
-                raise UsageError(f"rows {self.name}: lines with {side[~np.isfinite(side)][0]}; give finite numbers")
+            self._check_finite(side, "lines with")
+            at_rest = side[:, :, :, :, 0].max(axis=3).min(axis=(1, 2))
+            if not (at_rest > 0.0).all():
+                at = int(at_rest.argmin())
+                raise UsageError(
+                    f"rows {self.name}: lines of {at_rest[at]:.6g} {self.unit} at rest with the joints at "
+                    f"{np.round(q[0, at], 6).tolist()}: no motion begins there; give lines above zero at rest"
+                )
         return np.stack(sides) / self.limit
+
+    def _figures(self, found: npt.ArrayLike, what: str) -> Floats:
+        """What a function of one's own gives, as numbers. Raises UsageError where it gives none."""
+        try:
+            array = np.asarray(found)
+            if array.dtype.kind in "biuf":
+                return array.astype(np.float64, copy=False)
+        except ValueError:  # rows of several lengths
+            pass
+        raise UsageError(f"rows {self.name}: {what} {type(found).__name__} of no real numbers; give an array of them")
+
+    def _check_finite(self, found: Floats, what: str) -> None:
+        if not np.isfinite(found).all():
+            raise UsageError(f"rows {self.name}: {what} {found[~np.isfinite(found)][0]}; give finite numbers")
 
     def limits_at(self, q: Floats, speed: Floats) -> Floats:
         """(2, n, count) the limits above and below zero at ds/dt (n,), over `limit`."""

@@ -21,6 +21,7 @@ from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps
 from toolpace.motion.active_limits import BINDING, NOTHING, ActiveLimits, active_limits
+from toolpace.motion.continuous_torque import continuous_shares, with_ratings
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.sampling import Sampling
 from toolpace.motion.setpoints import ROWS, SetPoints
@@ -267,11 +268,15 @@ class Trajectory:
             dict(zip(self.joints, map(float, peak[1 + i * m : 1 + (i + 1) * m]))) for i in range(3)
         )
         rows = {each.name: float(value) for each, value in zip(self.limits.rows, peak[1 + 3 * m :])}
-        return Usage(float(peak[0]), velocity, acceleration, jerk, rows)
+        return Usage(float(peak[0]), velocity, acceleration, jerk, rows | self._continuous)
+
+    @cached_property
+    def _continuous(self) -> dict[str, float]:
+        return continuous_shares(self.axis_path, self.limits, self.laws)
 
     def limited_by(self) -> dict[str, float]:
         """Limits that bind: the share of the duration in which each does, largest first."""
-        times = dict(self._judgement[1])
+        times = with_ratings(self._judgement[1], self._continuous)
         dwell = self.axis_path.first_dwell + sum(run.dwell for run in self.axis_path.runs)
         if dwell > 0.0:
             times["dwell"] = dwell

@@ -119,24 +119,36 @@ def plan(
 
     ensure_warm()
 
-    def one(k: int, workers: Workers, part: Progress) -> PlannedRun:
-        states = start if k == 0 else AT_REST, end if k == last else AT_REST
-        return chosen.plan_run(runs[k], limits, *states, workers, part)
+    def planned(chosen: Planner, limits: Limits) -> Trajectory:
+        def one(k: int, workers: Workers, part: Progress) -> PlannedRun:
+            states = start if k == 0 else AT_REST, end if k == last else AT_REST
+            return chosen.plan_run(runs[k], limits, *states, workers, part)
 
-    planned = side_by_side(one, [run.s1 - run.s0 for run in runs], progress)
-    lower_bound, open_places = total_bound(axis_path, planned)
-    return Trajectory(
-        axis_path,
-        limits,
-        tuple(run.law for run in planned),
-        planner=chosen.name,
-        lower_bound=lower_bound,
-        open_places=open_places,
-        notes=tuple(note for run in planned for note in run.notes),
-        mesh_points=sum(run.mesh_points for run in planned),
-        solve_seconds=time.perf_counter() - began,
-        pricing=prices_of,
-    )
+        of_runs = side_by_side(one, [run.s1 - run.s0 for run in runs], progress)
+        lower_bound, open_places = total_bound(axis_path, of_runs)
+        return Trajectory(
+            axis_path,
+            limits,
+            tuple(run.law for run in of_runs),
+            planner=chosen.name,
+            lower_bound=lower_bound,
+            open_places=open_places,
+            notes=tuple(note for run in of_runs for note in run.notes),
+            mesh_points=sum(run.mesh_points for run in of_runs),
+            solve_seconds=time.perf_counter() - began,
+            pricing=prices_of,
+        )
+
+    found = planned(chosen, limits)
+    if not limits.rows or chosen.name != PLANNERS[0]:
+        return found
+    from toolpace.planning.continuous_torque import within_ratings
+    from toolpace.planning.optimal.planner import Optimal
+
+    if not isinstance(chosen, Optimal):
+        return found
+    quick = replace(chosen, bound=False)
+    return within_ratings(found, lambda eased: planned(quick, eased))
 
 
 def prices_of(trajectory: Trajectory) -> dict[str, float]:

@@ -6,7 +6,7 @@ bounds grow by (the envelope theorem; Boyd and Vandenberghe 2004, section 5.6):
     acceleration  |r . (z, z', z'')| <= 1             multiplier
     jerk          |r . (z, z', z'')| <= z^(-1/2)      multiplier times z^(-1/2)
     velocity, feed              z <= cap              multiplier times 2 cap, for the limit that makes the cap
-    torque        tau <= limit                        multiplier, over the scale of its row
+    torque        tau <= limit                        multiplier times the motor's limit, over the scale of its row
     any, in a cell next to rest z <= cap              multiplier times cap times 2, 1 or 2/3: how z there grows with it
 
 The multipliers are those of the plan's own mesh, of an optimum found again from its motion. One figure checks all: with
@@ -31,6 +31,7 @@ from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.relaxation import OVERLAP_RAMPS, SAMPLES, borders, coefficients_of, highest_speed
 from toolpace.planning.mesh.initial_guess import ramp_time
+from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import (
     REST_POWERS,
     REST_STATES,
@@ -59,8 +60,8 @@ class Multipliers(NamedTuple):
     """(points, 2 h) of the rows of acceleration, then of jerk, above and below."""
     z: Floats
     """(points,)"""
-    limit: Floats | None = None
-    """(points, k) of the rows whose limits depend on the speed: what is left of it where they are held."""
+    speed: Floats | None = None
+    """(points, k) ds/dt where the rows are held whose limits depend on the speed."""
 
 
 def prices(trajectory: Trajectory) -> dict[str, float]:
@@ -129,20 +130,29 @@ def part_prices(limits: Limits, part: RunPart) -> Floats:
 def row_gains(limits: Limits, multipliers: Multipliers, problem: Problem) -> Floats:
     """(points, k) what the rows of a point gain per relative growth of each limit."""
     m, half, gains = len(limits), limits.half, multipliers.rows.copy()
-    if problem.lines is not None and multipliers.limit is not None:
-        gains[:, problem.lines.column] *= multipliers.limit
+    if problem.lines is not None and multipliers.speed is not None:
+        gains[:, problem.lines.column] *= line_growth(limits, problem.lines, multipliers.speed)
     gains[:, half:] /= np.sqrt(multipliers.z)[:, None]
     columns = [np.zeros((len(gains), 1 + m)), gains[:, :m], gains[:, half : half + m]]
     at = {1: m, 2: half + m}
     for rows in limits.rows:
-        if isinstance(rows, JointTorque) and problem.lines is not None and multipliers.limit is not None:
-            # all of a torque grows, of which weight and friction leave but a part
-            own = np.isin(problem.lines.column, np.arange(at[1], at[1] + rows.width))
-            growth = 1.0 / (1.0 + np.abs(problem.lines.height[:, own, 0])) / multipliers.limit[:, own]
-            gains[:, problem.lines.column[own]] *= growth
         columns.append(gains[:, at[rows.order] : at[rows.order] + rows.width].sum(axis=1, keepdims=True))
         at[rows.order] += rows.width
     return np.concatenate(columns, axis=1)
+
+
+def line_growth(limits: Limits, lines: LineRows, speed: Floats) -> Floats:
+    """(points, k) by what the bounds of scaled rows grow per relative growth of their limits at ds/dt (points, k)."""
+    growth, first = lines.limits(speed), len(limits)
+    height, fall = lines.chosen(speed)
+    for rows in limits.rows:
+        if isinstance(rows, JointTorque):
+            # all of a torque grows, of which weight and friction leave but a part: both sides together leave all twice
+            own = np.isin(lines.column, np.arange(first, first + rows.width))
+            left = height[:, own] - fall[:, own] * speed[:, own]
+            growth[:, own] = (left + np.roll(left, rows.pieces, axis=1)) / 2.0 / (np.abs(height[:, own]) + 1.0)
+        first += rows.width if rows.order == 1 else 0
+    return growth
 
 
 def problem_of_part(limits: Limits, part: RunPart) -> Problem:
@@ -183,10 +193,8 @@ def multipliers_near(problem: Problem, c: Floats) -> Multipliers:
             rows = both.transpose(0, 2, 1).reshape(-1, both.shape[1])[:count]
             near = problem.first[:, None] + np.arange(4)
             z = np.einsum("pj,pj->p", problem.basis[:, 0], found.c[near])
-            lines, limit = problem.lines, None
-            if lines is not None:
-                limit = lines.limits(lines.speeds(problem.basis, found.c[near]))
-            return Multipliers(found.dual_cap.reshape(-1)[:count], rows, z, limit)
+            speed = None if problem.lines is None else problem.lines.speeds(problem.basis, found.c[near])
+            return Multipliers(found.dual_cap.reshape(-1)[:count], rows, z, speed)
     raise UsageError(
         f"prices: no optimum found from s = {problem.nodes[0]:.9g} to {problem.nodes[-1]:.9g}; plan on another mesh"
     )

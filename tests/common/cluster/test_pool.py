@@ -64,6 +64,7 @@ def test_both_workers_work_and_one_that_is_to_be_avoided_does_not(two):
     assert {each.worker for each in two.each(works.slow, 0.05, range(12), avoid={spared})} == everybody - {spared}
 
 
+@pytest.mark.sweep
 def test_whoever_kills_its_worker_is_told_so_and_harms_nobody(two, tmp_path):
     found = {each.item: each for each in two.each(works.killing, str(tmp_path / "first"), range(20))}
     assert sorted(found) == list(range(20))
@@ -72,6 +73,7 @@ def test_whoever_kills_its_worker_is_told_so_and_harms_nobody(two, tmp_path):
     assert found[6].value == 6
 
 
+@pytest.mark.sweep
 def test_what_all_have_in_common_outlives_the_workers_that_had_it(two, tmp_path):
     """More than goes with each item: both workers die of item 6 and 5, and others do the rest."""
     common = (str(tmp_path / "first"), bytes(100_000))

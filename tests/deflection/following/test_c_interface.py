@@ -109,6 +109,7 @@ def test_no_control_point_of_a_law_is_infinite(follower: tp.Follower, tmp_path: 
         tp.Follower.load(tmp_path / "odd.law")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_example_in_c_goes_where_python_goes(follower: tp.Follower, tmp_path: Path):
     from toolpace.kernels.follow.step import step_for_c

@@ -22,7 +22,9 @@ def error_of(rho_told: float, gain: float, measured: bool = True) -> tuple[Float
     return error, np.stack([np.convolve(column, np.full(TURN, 1.0 / TURN), "same") for column in error.T], axis=1)
 
 
-@pytest.mark.parametrize("gain, told", [(0.05, 0.3), (Figures.gain, 0.0), (0.1, 0.0)])
+@pytest.mark.parametrize(
+    "gain, told", [pytest.param(0.05, 0.3, marks=pytest.mark.sweep), (Figures.gain, 0.0), (0.1, 0.0)]
+)
 def test_a_bent_tool_is_back_on_its_path_after_a_tenth_of_a_second(gain: float, told: float):
     error, mean = error_of(told, gain)
     after = round(0.1 / PERIOD)

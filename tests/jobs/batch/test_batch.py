@@ -46,6 +46,7 @@ def table(out: Path) -> dict[str, dict]:
     return {Path(row["program"]).name: row for row in rows}
 
 
+@pytest.mark.sweep
 def test_a_bad_program_stops_no_other_and_is_told_in_its_row(done):
     out, code = done
     rows = table(out)
@@ -192,6 +193,7 @@ def test_two_batches_do_not_write_into_one_folder(tmp_path):
         pass
 
 
+@pytest.mark.sweep
 def test_a_disk_that_is_full_is_told_in_the_row(parts, tmp_path):
     """The largest file that the process may write is smaller than set-points are."""
     code = (

@@ -116,6 +116,7 @@ def test_joints_of_the_real_kinematics_are_those_of_the_machine_that_was_read(ca
     assert np.abs(rests[:, machine.linear] - tip).max() > 10 * MILLIMETRE
 
 
+@pytest.mark.sweep
 @pytest.mark.linuxcnc
 def test_configurations_that_linuxcnc_ships_are_read_or_refused_with_a_reason():
     found = list(rows(INSTALLED))

@@ -42,6 +42,7 @@ def test_the_bow_of_joints_is_how_far_the_tip_is_from_its_chord(machine):
     np.testing.assert_allclose(toolpath.bow[1:], most, rtol=0.02)
 
 
+@pytest.mark.sweep
 def test_the_tip_keeps_its_tolerance_to_the_way_of_the_joints(machine):
     rng = np.random.default_rng(1)
     steps = rng.uniform(-1.0, 1.5, (15, 5)) * [2.0, 2.0, 1.0, 2.0, 1.0]

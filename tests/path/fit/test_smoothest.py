@@ -125,6 +125,7 @@ def test_the_curve_converges_with_the_tolerance():
     assert errors[0] > 5 * errors[1] > 20 * errors[2]
 
 
+@pytest.mark.sweep
 def test_cost_grows_in_proportion_to_the_blocks():
     """Windows keep it from growing faster, but for their seams."""
     small, large = (wave(n, 3.0 * n / 4000) for n in (8000, 32000))

@@ -85,14 +85,14 @@ def assert_in_tube(path, toolpath, axis_slack=1.02):
     assert path.axis_deviation <= AXIS
 
 
-@pytest.mark.parametrize("block", [*range(5), *(pytest.param(k, marks=pytest.mark.sweep) for k in range(5, 10))])
+@pytest.mark.parametrize("block", [0, *(pytest.param(k, marks=pytest.mark.sweep) for k in range(1, 10))])
 def test_a_hundred_nasty_programs(block):
     for seed in range(1000 + 10 * block, 1010 + 10 * block):
         toolpath, _ = random_toolpath(seed)
         assert_in_tube(Path.fit(toolpath, TIP, AXIS), toolpath)
 
 
-@pytest.mark.parametrize("block", [*range(2), *(pytest.param(k, marks=pytest.mark.sweep) for k in range(2, 4))])
+@pytest.mark.parametrize("block", [0, *(pytest.param(k, marks=pytest.mark.sweep) for k in range(1, 4))])
 def test_nasty_programs_in_joints(block):
     for seed in range(10 * block, 10 * block + 10):
         toolpath, rotary = random_toolpath(seed)

@@ -37,6 +37,7 @@ def test_straight_line_in_closed_form(limits):
     assert found == pytest.approx(best, rel=1e-3)
 
 
+@pytest.mark.sweep
 def test_holds_whatever_the_plan():
     """Any law gives multipliers: a bound by a slow or crude one is lower, never above the optimum."""
     run = line().runs[0]
@@ -75,6 +76,7 @@ def test_many_random_paths(count):
     assert np.median(gaps) < 1e-3
 
 
+@pytest.mark.sweep
 def test_plans_of_the_published_paths_are_near_the_best_motion_there_is():
     gaps = {}
     for case in all_cases(4):

@@ -24,6 +24,7 @@ def path_with(hints, seed=7):
     return AxisPath.from_callable(harmonics(seed, 3), hints=hints)
 
 
+@pytest.mark.sweep
 def test_hints_that_a_motion_does_not_feel_make_no_nodes():
     """Knots every few tolerances along a smooth way: 40 000 nodes where some hundred do."""
     limits = random_limits(7, 3)

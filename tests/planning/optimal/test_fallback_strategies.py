@@ -44,6 +44,7 @@ def test_a_gap_is_closed_and_explained(seed, family, before, after, word):
     assert used_by_positions(trajectory).max() < 1.0001
 
 
+@pytest.mark.sweep
 def test_a_mesh_that_led_astray_by_little_is_given_up():
     """Its end in motion: the first mesh is 1.6 % slower than one of half as many cells."""
     trajectory = planned(7000000000310)
@@ -160,6 +161,7 @@ def test_plans_near_their_bound_have_no_notes_and_cost_no_other_try():
     assert planned(1000023, mesh=1000).notes == ()
 
 
+@pytest.mark.sweep
 def test_the_same_plan_twice():
     """What may be spent is counted in knots, and not in seconds."""
     one, two = planned(1000071), planned(1000071)

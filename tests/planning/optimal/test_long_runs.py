@@ -270,7 +270,7 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.parametrize("after", [0.04, 0.3])
+@pytest.mark.parametrize("after", [pytest.param(0.04, marks=pytest.mark.sweep), 0.3])
 def test_ctrl_c_in_the_middle_of_a_long_plan(after):
     """It is met well before the end, and leaves no thread behind."""
     done = subprocess.run(

@@ -27,7 +27,7 @@ SEEDS, OF_SLOW = 7, 2
 """Cases of each family that everybody waits for."""
 BLOCK, BLOCKS, BLOCKS_OF_SLOW = 12, 10, 3
 """Cases of a family that one test of the sweep takes, and how many such tests there are."""
-SLOW = ("pole", "standing_tip", "caps_that_jump", "standing_joints", "limits_apart")
+SLOW = ("pole", "slow_spots", "standing_tip", "caps_that_jump", "standing_joints", "limits_apart")
 SWEEP = [
     pytest.param(family, k, marks=pytest.mark.thorough if k or family in SLOW else pytest.mark.sweep)
     for family in FAMILIES

@@ -28,6 +28,7 @@ def different(seeds: range) -> list[str]:
     return [f"seed {seed}: {what}" for seed, what in found if what]
 
 
+@pytest.mark.sweep
 @linuxcnc
 def test_forty_random_programs():
     assert not different(range(40))

@@ -51,7 +51,7 @@ def nurbs(inner, points, width=12):
     )
 
 
-@pytest.mark.parametrize("count", [1, 2, 15, 40])
+@pytest.mark.parametrize("count", [1, 2, 15, pytest.param(40, marks=pytest.mark.sweep)])
 def test_nurbs_is_the_cubic_spline_within_half_a_micrometre(count):
     chance = np.random.default_rng(count)
     inner = np.sort(np.round(chance.uniform(0.01, 0.99, count - 1), 7))

@@ -251,6 +251,7 @@ def written(c: dict) -> str:
     return f"CYCLE/{c['type']},DEPTH,{c['depth']}{step},MMPM,{c['feed']},CLEAR,{clear},RAPTO,{c['above']}{wait}"
 
 
+@pytest.mark.sweep
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(st.lists(cycles, min_size=1, max_size=4))
 def test_programs_of_cycles_are_drilled_as_the_model_drills(program):

@@ -97,6 +97,7 @@ def test_no_other_machine_is_tried(monkeypatch):
     assert len(tried) == 1 and len(found.not_on) == 3 and "blocks have been executed" in str(found.refused)
 
 
+@pytest.mark.sweep
 def test_a_long_program_is_no_loop_and_what_it_calls_counts_with_its_lines(tmp_path, monkeypatch):
     """A file beside the program of a thousand blocks, called thirty times, is a program for thirty parts."""
     monkeypatch.setattr(state, "REPEATED", 4000)

@@ -237,6 +237,7 @@ def test_anything_spelt_like_gcode(text):
     check(("G0 X0 Y0 Z0\n" + text).encode(), "gcode")
 
 
+@pytest.mark.sweep
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.text(max_size=80))
 def test_any_text(text):

@@ -32,6 +32,7 @@ def different(seeds: range) -> list[str]:
     return found
 
 
+@pytest.mark.sweep
 def test_eighty_programs():
     assert not different(range(80))
 

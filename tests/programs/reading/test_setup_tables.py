@@ -145,10 +145,36 @@ def test_a_sheet_is_written_so_that_it_reads_as_the_same_to_the_last_digit():
     assert "[stock]" not in setup_text(SetUp(workpiece=guessed))
 
 
+TOLD = ToolFigures("bull", 12.7 * MM, 1.5 * MM, flute_length=38 * MM, source="part.apt:4")
+
+
+def test_a_table_without_a_diameter_adds_to_what_the_program_tells():
+    lines = (
+        "teeth = 4\nstick_out = 60\nholder = [[40, 27, 30]]\nspindle_range = [4000, 9000]\nrunout = 0.02\n"
+        'helix = 38\npitch = [80, 100, 85, 95]\nspindle = "counterclockwise"\ncutting_speed = 300\nlength = 120\n'
+    )
+    setup = setup_of_text("[tools.1]\n" + lines)
+    found = setup.figures_of("1", TOLD)
+    alone = setup_of_text("[tools.1]\ndiameter = 12.7\ncorner_radius = 1.5\nflute_length = 38\n" + lines)
+    assert found == alone.figures_of("1") and found.teeth == 4 and found.source == "part.apt:4"
+    assert (setup.tool("1").length, setup.tool("1").radius) == (120 * MM, None)
+    assert setup.figures_of("1") is None and setup.figures_of("2", TOLD) is TOLD
+    assert setup_of_text(setup_text(setup)) == setup
+    filled = with_program_figures(setup, {"1": TOLD}, WorkpieceFigures())
+    assert filled.figures_of("1") == found and setup_of_text(setup_text(filled)).figures_of("1") == found
+
+
+def test_what_a_table_adds_goes_before_the_program_and_must_not_contradict_it():
+    setup = setup_of_text("[tools.1]\nflute_length = 20\ncorner_radius = 2\nteeth = 3\n")
+    found = setup.figures_of("1", TOLD)
+    assert (found.flute_length, found.corner_radius, found.teeth) == (20 * MM, 2 * MM, 3)
+    with pytest.raises(UsageError, match=r"part\.apt:4: flute_length of 38 mm is more than the stick_out of 30 mm"):
+        setup_of_text("[tools.1]\nstick_out = 30\n").figures_of("1", TOLD)
+
+
 @pytest.mark.parametrize(
     "text, words",
     [
-        ('kind = "flat"', ["has no diameter", "mm"]),
         ("diameter = 12\nradius = 12", ["radius = 12", "diameter = 12", "correct one"]),
         ("diameter = 12000", ["diameter = 12000", "more than 500 mm", "unit"]),
         ('diameter = "12"', ["diameter", "has no unit"]),

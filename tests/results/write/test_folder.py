@@ -268,6 +268,7 @@ def test_a_signal_while_the_folder_is_put_in_place_waits_for_it(here, monkeypatc
     assert sorted(path.name for path in here.iterdir()) == ["cwd", "out"]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("kills", "stride"), [(20, 5), pytest.param(200, 1, marks=pytest.mark.sweep)], ids=["some", "all"]
 )

@@ -33,16 +33,21 @@ from toolpace.programs.speed_profile import ways_between
 from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 from toolpace.results import write
-from toolpace.results.write import PlanRecord
+from toolpace.results.write import NOTHING_STATED, PlanRecord, StatedPromise
 from toolpace.results.write.result import copy_name
 
+ROUNDED = 1e-12
+"""Share by which the feed of a way may be off that a profile of speed limits, which is straight between two places."""
 MOST_OFF = 1.0
 """Grids of rounding by which path and laws may be off the set-points: half of one, and what computers round by."""
 
 
-def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> tuple[PlanRecord, Verification]:
+def verify_folder(
+    folder: Path, steps: Steps, reading: Reading = AS_WRITTEN, stated: StatedPromise = NOTHING_STATED
+) -> tuple[PlanRecord, Verification]:
     """Judge the files in a folder by the machine and the program in it: set-points, figures, and the table if it is
-    there. The program is read as it was for the plan, but for what `reading` says."""
+    there. The program is read as it was for the plan, but for what `reading` says; stated: what is known of the promise
+    of its cut. Raises UsageError where that is stated of a plan whose cut promises nothing."""
     if not is_folder(folder):
         raise UsageError(f"{folder}: no such folder; give the one that `toolpace plan` wrote")
     refuse_pipes(folder)
@@ -58,6 +63,10 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
         if program is not None:
             toolpath = read_source(Source.load(program), machine, record.dialect, options, feed=record.feed)
         cut = write.read_cut(folder, record.cut_limits)
+        if cut is None and stated != NOTHING_STATED:
+            raise UsageError(
+                f"{folder}: nothing is promised of its cut; leave out --limit, --max-deflection and --material"
+            )
         profile = None if cut is None else write.profile_of(cut)
         programmed = toolpath
         if toolpath is not None and profile is not None:
@@ -82,9 +91,13 @@ def verify_folder(folder: Path, steps: Steps, reading: Reading = AS_WRITTEN) -> 
             found = replace(found, checks=(*found.checks, *own))
         if cut is not None and record.cut_limits is not None and programmed is not None and found.checks[0].ok:
             with steps.step("verifying the cut"):
+                from toolpace.judge.cut import Bent
+
+                assert toolpath is not None
+                tolerances = Tolerances.of(tip, "tip_tolerance"), Tolerances.of(axis, "axis_tolerance")
                 own = write.judged_cut(
                     record.cut_limits, cut, setpoints, programmed, options.setup, machine,
-                    bends=record.bending is not None,
+                    bent=None if tool is None else Bent(tool, machine, toolpath, *tolerances), stated=stated,
                 )  # fmt: skip
                 # what the plan says of its verification counts its cut too
                 alike = all(check.ok for check in own) or record.verified is not False
@@ -160,8 +173,9 @@ def other_feed(path: AxisPath, toolpath: ToolPath, *, bends: bool) -> tuple[str,
         elif entry[0] <= before or (np.diff(entry) <= 0).any() or entry[-1] >= len(toolpath):
             return "its blocks lead to points out of their order", int(block[0])
         else:
-            feed = np.where(limited[entry], np.minimum(spline.feed, toolpath.feed[entry]), spline.feed)
-            same = (block == toolpath.block[entry]) & (feed == toolpath.feed[entry])
+            feed = toolpath.feed[entry]
+            above = limited[entry] & (spline.feed >= feed * (1.0 - ROUNDED))
+            same = (block == toolpath.block[entry]) & (above | (spline.feed == feed))
             same &= spline.least_time == toolpath.least_time[entry]
             before = int(entry[-1])
             wanted = None if profile is None else profile.along(ways_between(entry), spline.block_start)

@@ -163,6 +163,9 @@ class Cldata:
     decimals: ClassVar[int] = 4
     _MOTION: ClassVar[re.Pattern[str]] = re.compile(r"^\s*GOTO\s*/", re.IGNORECASE)
     _FEED: ClassVar[re.Pattern[str]] = re.compile(r"^\s*FEDRAT\s*/", re.IGNORECASE)
+    _FIGURE: ClassVar[re.Pattern[str]] = re.compile(
+        rf"(?<=[/,])[ \t]*{NUMBER}(?:E[-+]?[0-9]+)?[ \t]*(?=,|$)", re.IGNORECASE
+    )
 
     def editable(self, lines: Sequence[str]) -> list[bool]:
         """GOTO, but in drilling cycles, whose feed stands in CYCLE."""
@@ -179,8 +182,9 @@ class Cldata:
         return line.strip() if self._FEED.match(line) and "$" not in line else ""
 
     def with_feed(self, line: str, feed: str, inverse: bool, in_force: str = "") -> list[str]:
-        """FEDRAT before the line, which stays as it is."""
-        return [f"FEDRAT/{feed},MMPM", line]
+        """FEDRAT before the line, which stays as it is; in the unit of the one in force, where that is plain."""
+        statement, count = self._FIGURE.subn(feed, in_force)
+        return [statement if count == 1 else f"FEDRAT/{feed},MMPM", line]
 
     def mode_in(self, line: str) -> str:
         """Empty: there is no such word."""

@@ -163,16 +163,18 @@ class Rewriting:
     passes: Passes
     chosen: Bools
     """(k,) passes whose block gets an F of its own."""
+    able: Bools
+    """(k,) passes whose block could bear one: none of cycles, threads and statements."""
     inverse: bool
     """Whether by inverse times."""
 
     @classmethod
     def of(cls, text: ProgramText, words: FeedWords, passes: Passes, planned: Floats, inverse: bool) -> Rewriting:
         """Chosen are blocks that run once, whose motion is at feed, takes time, and can bear an F."""
-        able = np.array([False, *words.editable(text.lines)])
         block = np.where(passes.block <= len(text.lines), passes.block, 0)
-        chosen = passes.once & ~passes.rapid & ~passes.mixed & able[block] & (planned > 0.0)
-        return cls(text, words, passes, chosen, inverse)
+        able = np.array([False, *words.editable(text.lines)])[block]
+        chosen = passes.once & ~passes.rapid & ~passes.mixed & able & (planned > 0.0)
+        return cls(text, words, passes, chosen, able, inverse)
 
     @property
     def kept(self) -> Bools:
@@ -190,7 +192,8 @@ class Rewriting:
             if self.chosen[k]:
                 last = k
             elif last >= 0 and not self.passes.rapid[k]:
-                behind.append(int(self.passes.block[last]))
+                if self.inverse or not self._has_feed(int(self.passes.block[k])):
+                    behind.append(int(self.passes.block[last]))
                 last = -1
         if self.inverse and last >= 0:
             behind.append(int(self.passes.block[last]))
@@ -205,6 +208,21 @@ class Rewriting:
                 found[number] = self.words.alone(feed, mode, self.inverse)
         return found
 
+    def _behind_one_more(self) -> set[int]:
+        """Lines that get a feed and are run behind the line before, which gets one too: the same is not written."""
+        if self.inverse:
+            return set()
+        block, chosen = self.passes.block, self.chosen
+        return set(block[1:][chosen[1:] & chosen[:-1] & (block[1:] == block[:-1] + 1)].tolist())
+
+    def _may_set_feed(self, line: str) -> bool:
+        """Whether a line has an F of any kind, or changes what it means."""
+        return "F" in line.upper() or self.words.mode_in(line) != ""
+
+    def _has_feed(self, line: int) -> bool:
+        """Whether a line bears an F of its own, so that none needs to be in force."""
+        return 0 < line <= len(self.text.lines) and self.words.feed_in(self.text.lines[line - 1]) != ""
+
     def _before_skipped(self) -> list[int]:
         """Lines that got a feed, each the last before one that was not read as run and that a switch (/) lets run."""
         chosen, run = np.unique(self.passes.block[self.chosen]), set(self.passes.block.tolist())
@@ -217,22 +235,27 @@ class Rewriting:
     def write(self, feeds: Mapping[int, Sequence[str]], pieces: Mapping[int, Sequence[str]]) -> Rewritten:
         """The program with feeds: line to the F of each of its pieces (of blocks that are not cut: one), and the lines
         that stand before those that are cut."""
-        restores = self.restores()
+        restores, behind = self.restores(), self._behind_one_more()
         changed: list[list[str]] = []
         bearers: dict[int, list[int]] = {}
-        back, in_force = [0], ""
+        back, in_force, modal = [0], "", ""
         for number, line in enumerate(self.text.lines, start=1):
             new: list[str] = []
             in_force = self.words.feed_in(line) or in_force
-            if number in feeds:
+            if number not in feeds:
+                new.append(line)
+            elif number in behind and [*feeds[number]] == [modal] and not self._may_set_feed(line):
+                new.append(line)
+                bearers[number] = [len(back)]
+            else:
                 bearers[number] = []
                 for piece, feed in zip([*pieces.get(number, ()), line], feeds[number], strict=True):
                     new += self.words.with_feed(piece, feed, self.inverse, in_force)
                     bearers[number].append(len(back) - 1 + len(new))
-                if number in restores:
-                    new.append(restores[number])
-            else:
-                new.append(line)
+                # FB of Sinumerik is not in force behind its block
+                modal = feeds[number][-1] if any(map(self.words.feed_in, new)) else ""
+            if number in feeds and number in restores:
+                new.append(restores[number])
             changed.append(new)
             back += [number] * len(new)
         return Rewritten(self.text.with_lines(changed), np.array(back), bearers)

@@ -28,9 +28,7 @@ MOST = 5000
 """S words that are told apart."""
 SAME_SPEED = 1e-6
 """Share by which a speed that is read back may be off by rounding."""
-_WORD = re.compile(rf"(?<![A-Z0-9_.#$\]])S(?:[ \t]*=)?[ \t]*({NUMBER})(?![ \t]*[-+*/(\[=]|[ \t]*[0-9.])")
-_NUMBERED = re.compile(r"(?<![A-Z0-9_$])S[0-9]+[ \t]*=")
-"""S1=8000 of Sinumerik, which is not read: whether that is the spindle of the tool is told by the machine."""
+_WORD = re.compile(rf"(?<![A-Z0-9_.#$\]])S(?:[0-9]*[ \t]*=)?[ \t]*({NUMBER})(?![ \t]*[-+*/(\[=]|[ \t]*[0-9.])")
 _CALL = re.compile(r"^[ \t/]*(?:[0-9]+[ \t]+)?TOOL[ \t]+CALL\b", re.IGNORECASE)
 _KLARTEXT = re.compile(r"(?<![A-Z0-9])S[ \t]*([0-9]+(?:[.,][0-9]*)?)(?![ \t]*[0-9.,])", re.IGNORECASE)
 _SPINDL = re.compile(rf"^[ \t]*SPINDL[ \t]*/[^$]*?(?<![A-Z0-9.])({NUMBER})", re.IGNORECASE)
@@ -135,8 +133,6 @@ class SpindleWords:
 def _words(language: str, lines: Sequence[str]) -> list[tuple[int, int, int]]:
     """Line, begin and end of the number of each S word that is one."""
     found = []
-    if language == "sinumerik" and any(_NUMBERED.search(bare(line).upper()) for line in lines):
-        return []
     for number, line in enumerate(lines):
         if language in ("word-address", "sinumerik"):
             matches = list(_WORD.finditer((bare(line) if language == "sinumerik" else code_of(line)).upper()))

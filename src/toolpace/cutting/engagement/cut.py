@@ -34,6 +34,8 @@ LEAST_CONTACT = 0.05
 """A contact that is nowhere deeper is not seen, in cells."""
 SLICES = 60
 """Most slices, where no height is wanted."""
+FOOT = 0.02
+"""Height above the tip at which a cut is seen that is less deep than half a slice, in slices."""
 PORTION = 4096
 """Poses after which is looked anew where material is left, for what is above the edge."""
 FINEST = 16
@@ -94,8 +96,9 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
     middles = height * (np.arange(count) + 0.5)
     surface = profile.surface(np.minimum(middles, profile.length))
     beyond = profile.surface(np.minimum(middles + height, profile.length))[0]
-    slices = Slices(np.asarray(middles), *surface, beyond, profile.flat_radius, height)
-    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n, n)]
+    foot = np.array([FOOT * height, *np.ravel(profile.surface(np.array([FOOT * height])))])
+    slices = Slices(np.asarray(middles), *surface, beyond, foot, profile.flat_radius, height)
+    zeros = [np.zeros(shape) for shape in (n, (n, 2), n, n, n, n, n)]
     found = Found(feed @ stock.frame.T, np.zeros(n, np.int64), *zeros)
     arcs = Arcs(np.empty(0, np.int64), np.empty(0), np.empty(0))
     progress: Ints = np.zeros(3, np.int64)
@@ -126,6 +129,7 @@ def cut(stock: Dexels, profile: ToolProfile, stations: Stations, slice_height: f
         removed=found.removed,
         width=found.width,
         depth=found.depth,
+        top=found.top,
         penetration=found.penetration,
         chip_share=found.chip_share,
     )

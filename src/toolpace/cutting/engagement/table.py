@@ -42,6 +42,9 @@ class EngagementTable:
     """(n,) most width of the cut across the feed, in any slice [m]."""
     depth: Floats
     """(n,) how far up the tool it is in material, from its lowest slice in material to its highest [m]."""
+    top: Floats = field(default_factory=lambda: np.zeros(0))
+    """(n,) height above the tip up to which it is in material, of its highest slice in material [m]: that slice counts
+    from its lower end up to there. (0,) where it was not looked for: the whole slice counts."""
     penetration: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     """(n, 2) how deep shank and holder are in material when the station is reached [m]: the largest distance of a point
     of them within material to its surface. They remove nothing themselves; what they met is removed at the end of a

@@ -103,10 +103,7 @@ class FeedMoves:
         """Of the tool of a stretch in an engagement, where the program has turns per second [1/s]. Raises UsageError
         without teeth."""
         tool, figures = self.tool(stretch), self.figures(stretch)
-        if figures.teeth is None:
-            raise UsageError(
-                f"tool {tool}: the number of teeth is not known; write teeth in its table of the set-up sheet"
-            )
+        _check_teeth(tool, figures)
         turns = abs(turns) * self.ratio_of(stretch)
         return EngagedForces(engagement, figures, self.rules.material_of(tool) or ANY, turns)
 
@@ -115,12 +112,8 @@ class FeedMoves:
         them."""
         figures = self.figures(stretch)
         speed = self.toolpath.spindle[stretch.stations.point]
-        told = np.isfinite(speed) & (speed != 0.0)
-        if not told.all() and figures.spindle_speed is None:
-            raise UsageError(
-                f"tool {self.tool(stretch)}: the spindle speed is not known; write spindle_speed in its table of the "
-                "set-up sheet"
-            )
+        told = _is_told(speed)
+        _check_speed(self.tool(stretch), figures, told)
         usual = figures.spindle_speed or 0.0
         return np.where(told, speed, usual if figures.clockwise else -usual)
 
@@ -141,3 +134,32 @@ class FeedMoves:
         for turns in np.unique(spindle if chosen is None else spindle[chosen]).tolist():
             at = spindle == turns
             yield turns, at if chosen is None else at & chosen
+
+
+def check_tools(toolpath: ToolPath, tools: Sequence[ToolFigures | None], rules: FeedRules) -> None:
+    """Raise UsageError where `rules` need teeth or a spindle speed of a tool, and its figures do not tell them: before
+    the work on a plan and a cut. tools: of each operation."""
+    for k, (operation, figures) in enumerate(zip(toolpath.operations, tools)):
+        cuts = (toolpath.operation == k) & ~toolpath.rapid
+        if figures is None or not cuts[1:].any() or operation.name in rules.left_alone:
+            continue
+        if rules.way == "learned" or (rules.way == "limits" and rules.limits_of(operation.tool).names):
+            _check_teeth(operation.tool, figures)
+            _check_speed(operation.tool, figures, _is_told(toolpath.spindle[1:][cuts[1:]]))
+
+
+def _is_told(speed: Floats) -> Bools:
+    return np.asarray(np.isfinite(speed) & (speed != 0.0))
+
+
+def _check_teeth(tool: str, figures: ToolFigures) -> None:
+    if figures.teeth is None:
+        raise UsageError(f"tool {tool}: the number of teeth is not known; write teeth in its table of the set-up sheet")
+
+
+def _check_speed(tool: str, figures: ToolFigures, told: Bools) -> None:
+    """told: whether the program tells it, at each place."""
+    if not told.all() and figures.spindle_speed is None:
+        raise UsageError(
+            f"tool {tool}: the spindle speed is not known; write spindle_speed in its table of the set-up sheet"
+        )

@@ -22,7 +22,6 @@ from toolpace.common.errors import UsageError
 from toolpace.common.units import format_time
 from toolpace.cutting.engagement.stations import Stations
 from toolpace.cutting.feeds.feed_moves import FeedMoves
-from toolpace.cutting.feeds.largest_loads import LargestLoad, largest_loads
 from toolpace.cutting.feeds.learned import Teacher, learned_speeds
 from toolpace.cutting.feeds.limits import AIR, FEED, SOURCES, TAUGHT, CutLimits, speeds_within
 from toolpace.cutting.feeds.rules import FeedRules
@@ -95,6 +94,12 @@ class KeptFeed:
     lines: tuple[tuple[int, int], ...] = ()
     """First and last line of each stretch of neighbouring lines of which some of the way keeps its feed so."""
 
+    def told(self, most: int) -> str:
+        """A sentence, with at most so many stretches of lines."""
+        where = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in self.lines[:most])
+        more = ", ..." if len(self.lines) > most else ""
+        return f"as it was for {format_time(self.seconds)}: {self.reason}; lines {where}{more}"
+
 
 @dataclass(frozen=True)
 class FeedPlan:
@@ -110,8 +115,6 @@ class FeedPlan:
     """Each at one angle of the tool, several of a line; `by_line` takes one of each."""
     overloads: tuple[Overload, ...] = ()
     """The worst of each tool and limit."""
-    largest: tuple[LargestLoad, ...] = ()
-    """By tool and kind; of tools whose teeth and spindle speed are known."""
     notes: tuple[str, ...] = ()
     kept: tuple[KeptFeed, ...] = ()
     """The longest first."""
@@ -140,7 +143,7 @@ def plan_feeds(
     kept = sorted(work.kept.items(), key=lambda each: -each[1].sum())
     return FeedPlan(
         moves.places, tuple(after), work.operation_times(after), tuple(work.sources), tuple(work.teachers),
-        work.overloads(), largest_loads(written, moves, after), tuple(work.notes),
+        work.overloads(), tuple(work.notes),
         tuple(
             KeptFeed(why, float(time.sum()), neighbours(np.flatnonzero(time > 0.0)))
             for why, time in kept if time.sum() >= SHOWN

@@ -1,4 +1,4 @@
-"""The largest loads of each tool, at the feeds before and after."""
+"""The largest loads of each tool, before and after."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RATE = 5
 
 @dataclass(frozen=True)
 class LargestLoad:
-    """The largest that a tool takes of one kind, where something may be cut, at the feeds before and after."""
+    """The largest that a tool takes of one kind, where something may be cut, at the speeds before and after."""
 
     tool: str
     kind: str
@@ -28,14 +28,19 @@ class LargestLoad:
     after: float
 
 
-def largest_loads(written: FeedMoves, moves: FeedMoves, after: Sequence[Floats]) -> tuple[LargestLoad, ...]:
-    """The largest loads of each tool, as the program is written and at the feeds `after` of its moves; of one whose
-    figures do not tell them, none."""
+def largest_loads(
+    written: FeedMoves, moves: FeedMoves, before: Sequence[Floats], after: Sequence[Floats]
+) -> tuple[LargestLoad, ...]:
+    """The largest loads of each tool, as the program is written and as its moves are after; of one whose figures do not
+    tell them, none.
+
+    before, after: speeds of each stretch on the way to each of its stations [m/s].
+    """
     found: dict[tuple[str, str], Floats] = {}
     for k, stretch in enumerate(moves.stretches):
         tool, figures = moves.tool(stretch), moves.figures(stretch)
         try:
-            loads = [_loads_at(each, k, feed) for each, feed in ((written, written.before[k]), (moves, after[k]))]
+            loads = [_loads_at(each, k, speed[k]) for each, speed in ((written, before), (moves, after))]
         except UsageError:
             continue
         told = {"chip", "removal_rate"}
@@ -57,7 +62,7 @@ def removal_rate(removed: Floats, way: Floats, feed: Floats) -> Floats:
 
 
 def _loads_at(moves: FeedMoves, k: int, feed: Floats) -> dict[str, float]:
-    """The largest of each kind along stretch k at feeds (n,)."""
+    """The largest of each kind along stretch k at speeds (n,) [m/s]."""
     stretch, way = moves.stretches[k], moves.ways(k)
     rate = removal_rate(stretch.possible.removed, way, feed)
     largest: dict[str, float] = defaultdict(float, removal_rate=float(rate.max(initial=0.0)))

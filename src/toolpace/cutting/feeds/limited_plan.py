@@ -114,7 +114,7 @@ def plan_within_cut(
     def part(begin: float, end: float) -> Callable[[float], None]:
         return lambda share: report(begin + (end - begin) * share)
 
-    tools = [setup.figures_of(each.tool) or each.figures for each in toolpath.operations]
+    tools = [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
     tolerances = tip_tolerance, axis_tolerance
 
     def cut(trajectory: Trajectory, tell: Callable[[float], None]) -> tuple[CutSimulation, FeedPlan]:

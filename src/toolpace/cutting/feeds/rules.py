@@ -55,7 +55,7 @@ class FeedRules:
         if self.way not in WAYS:
             raise UsageError(f"feeds '{str(self.way)[:40]}' are not known; {did_you_mean(str(self.way), WAYS)}")
         if not self.raise_at_most >= 1.0:
-            raise UsageError(f"raise_at_most = {self.raise_at_most:g} is less than 1; lower=True lowers feeds")
+            raise UsageError(f"raise_at_most = {self.raise_at_most:g} is less than 1: give a factor, like 2")
         for name in ("air_feed", "machine_feed"):
             if getattr(self, name) is not None:
                 number(getattr(self, name), name, least=0.0, above=True, unit="m/s")

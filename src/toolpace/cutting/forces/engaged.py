@@ -340,7 +340,25 @@ class EngagedForces:
         entry, leave, bottom = (
             np.ascontiguousarray(each, dtype=float) for each in (table.entry, table.exit, table.bottom[at])
         )
-        return Arcs(first, np.ascontiguousarray(table.slice, dtype=np.int64), entry, leave, bottom)
+        slices = np.ascontiguousarray(table.slice, dtype=np.int64)
+        return Arcs(first, slices, entry, leave, self._shares, bottom)
+
+    @cached_property
+    def _shares(self) -> Floats:
+        """(k,) of the height of its slice that is in material, of each arc: of all slices but the lowest and the
+        highest of a station the whole."""
+        table, found = self.engagement, np.ones(len(self.engagement.slice))
+        count = np.diff(table.first_arc)
+        cuts = count > 0
+        if not len(table.top) or not cuts.any():
+            return found
+        begin = table.first_arc[:-1][cuts]
+        for extreme, end, sign in ((np.maximum, table.top, 1.0), (np.minimum, table.top - table.depth, -1.0)):
+            slices = extreme.reduceat(table.slice, begin)
+            covered = end[cuts] / table.slice_height - slices
+            at_end = table.slice == np.repeat(slices, count[cuts])
+            found[at_end] += np.repeat(sign * covered - (sign > 0.0), count[cuts])[at_end]
+        return np.asarray(np.clip(found, 0.0, 2.0))
 
     def _blocks(self, count: int) -> Iterator[slice]:
         for begin in range(0, count, BLOCK):

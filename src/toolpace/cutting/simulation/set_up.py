@@ -18,6 +18,8 @@ from toolpace.programs.stock_figures import StockFigures
 from toolpace.programs.tool_figures import ToolFigures
 from toolpace.programs.toolpath import ToolPath
 
+STOCKS = 3
+"""That share the memory: see `StockRange`."""
 FAR = 0.1
 """Beyond this from all that the tip passes a stock is in the wrong place, or in another unit [m]."""
 
@@ -31,7 +33,7 @@ def tools_in_use(toolpath: ToolPath, setup: SetUp) -> tuple[list[ToolInUse | Non
     found: list[ToolInUse | None] = []
     assumed: dict[str, None] = {}
     for k, operation in enumerate(toolpath.operations):
-        figures = setup.figures_of(operation.tool) or operation.figures
+        figures = setup.figures_of(operation.tool, operation.figures)
         if figures is None:
             if k in cutting:
                 raise UsageError(_without_figures(toolpath, k, setup))
@@ -82,9 +84,11 @@ def stock_range(
     Raises UsageError where it is none, or lies elsewhere.
     """
     figures, body = stock_body(toolpath, setup, machine, tools)
-    if resolution is None and finest > 0.0:
-        resolution = max(resolution_within(*body.bounds, memory / 3.0), finest)
-    nominal = dexels(body, resolution, memory / 3.0)
+    if resolution is not None:
+        check_memory(body.triangles(), resolution, memory, STOCKS)
+    elif finest > 0.0:
+        resolution = max(resolution_within(*body.bounds, memory / STOCKS), finest)
+    nominal = dexels(body, resolution, memory / STOCKS)
     notes = [f"stock: {note}" for note in body.notes]
     if figures.guessed or figures.uncertainty == 0.0:
         return StockRange(nominal, nominal, nominal, guessed=figures.guessed), notes
@@ -115,7 +119,7 @@ def check_before_planning(
     if stock:
         body = stock_body(toolpath, setup, machine, tools)[1]
         if resolution is not None:
-            check_memory(body.triangles(), resolution, memory / 3.0)
+            check_memory(body.triangles(), resolution, memory, STOCKS)
     _bodies_around(setup, machine)
 
 

@@ -344,24 +344,27 @@ def _cast(stock: DexelStock, corners: Floats) -> int:
     return wrong
 
 
-def check_memory(points: Floats, resolution: float, memory: float) -> None:
-    """Raise UsageError where a body with these points (..., 3) [m] takes more memory [bytes] at a resolution [m]."""
+def check_memory(points: Floats, resolution: float, memory: float, stocks: int = 1) -> None:
+    """Raise UsageError where several stocks with these points (..., 3) [m] take more memory [bytes] at a resolution
+    [m]."""
     turned = points @ FRAME.T
     axes = tuple(range(turned.ndim - 1))
-    _cell_counts(turned.min(axis=axes), turned.max(axis=axes), resolution, memory)
+    _cell_counts(turned.min(axis=axes), turned.max(axis=axes), resolution, memory, stocks)
 
 
-def _cell_counts(low: Floats, high: Floats, resolution: float | None, memory: float) -> Ints:
-    """How many cells (3,) there are between two corners (3,) along the rays."""
-    cell = resolution_within(low, high, memory) if resolution is None else resolution
+def _cell_counts(low: Floats, high: Floats, resolution: float | None, memory: float, stocks: int = 1) -> Ints:
+    """How many cells (3,) there are between two corners (3,) along the rays; memory: of all stocks [bytes]."""
+    room = memory / stocks
+    cell = resolution_within(low, high, room) if resolution is None else resolution
     cell = number(cell, "stock: resolution", least=0.0, above=True, unit="m")
     wanted = np.ceil((high - low) / cell - 1e-9)
     faces = [float(wanted[(d + 1) % 3] * wanted[(d + 2) % 3]) for d in range(3)]
-    if not NODE * (1.0 + SPARE) * sum(faces) <= max(memory, NODE * 64.0):
-        coarser = resolution_within(low, high, memory)
+    taken = NODE * (1.0 + SPARE) * sum(faces)
+    if not taken <= max(room, NODE * 64.0):
+        several = f" for {stocks} stocks (as large as told, smaller and larger)" if stocks > 1 else ""
         raise UsageError(
-            f"stock: a resolution of {1e3 * cell:g} mm takes {NODE * (1.0 + SPARE) * sum(faces) / 1e6:.0f} MB, above "
-            f"the {memory / 1e6:.0f} MB that it may; give one of {1e3 * coarser:.2g} mm or more, or more memory"
+            f"stock: cells of {1e3 * cell:g} mm take {stocks * taken / 1e6:.3g} MB{several}, and {memory / 1e6:.3g} MB "
+            f"are allowed; give cells of {1e3 * resolution_within(low, high, room):.2g} mm or more, or more memory"
         )
     counts: Ints = np.maximum(wanted, 1.0).astype(np.int64)
     return counts

@@ -19,7 +19,7 @@ import numpy as np
 from toolpace.common.arrays import Floats
 from toolpace.deflection.feed import above_feed, feed_at, tip_velocity
 from toolpace.deflection.rejoin.joint_splines import Problem
-from toolpace.deflection.rejoin.limit_check import FINAL, SAMPLES, LimitCheck, check_limits
+from toolpace.deflection.rejoin.limit_check import FINAL, SAMPLES, LimitCheck, check_limits, row_use
 from toolpace.deflection.rejoin.stop import Stop, StopAlone, StopTogether
 from toolpace.deflection.rejoin.superposed import (
     Before,
@@ -52,6 +52,8 @@ IN_VAIN = 5
 """Starts that bring nothing better, one after the other, after which what was found is taken."""
 STEEPER = (8.0, 4.0, 2.0, 1.0)
 """Times the sure steepness with which a pace is tried to rise again."""
+FLATTER = (0.5, 0.2, 0.05)
+"""The same where rows or torques are held, of which the proof knows nothing."""
 NOT_BEGUN = 1e-6
 """Time of a run up to which it has not been begun [s]."""
 SPARES, ALIKE = 10, 0.01
@@ -160,9 +162,11 @@ def waits(problem: Problem, standby: Standby) -> Iterator[float]:
     if rest <= 0.0:
         return
     t = np.unique(np.concatenate([np.geomspace(min(1e-3, rest), rest, 200), np.linspace(0.0, rest, 200)[1:]]))
-    rates = standby.current.motion(standby.local + t)[1:]
+    motion = standby.current.motion(standby.local + t)
     limits = [getattr(problem.limits, kind) for kind in KINDS]
-    used = np.max([(np.abs(rate) / limit).max(axis=1) for rate, limit in zip(rates, limits)], axis=0)
+    used = np.max([(np.abs(rate) / limit).max(axis=1) for rate, limit in zip(motion[1:], limits)], axis=0)
+    if problem.limits.rows:
+        used = np.maximum(used, row_use(problem.limits.rows, motion))
     ahead = np.minimum(np.searchsorted(t, t + shortest(problem), side="right"), len(t) - 1)
     used = np.array([used[k : last + 1].max() for k, last in enumerate(ahead)])
     for room in (0.5, 0.9):
@@ -199,7 +203,7 @@ def restarted(
     if to_rest is None:
         return None
     sure = steepest(problem.commanded, place, problem.limits)
-    for steeper in STEEPER:
+    for steeper in STEEPER + FLATTER * bool(problem.limits.rows):
         way = RestartFromRest(to_rest, PaceRise(steeper * sure))
         if check_limits(problem, way, FINAL).passes:
             return way if price(way) < most else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +13,9 @@ from toolpace.deflection.rejoin.joint_splines import Problem
 from toolpace.deflection.rejoin.stop import StopTogether
 from toolpace.deflection.rejoin.superposed import RestartFromRest, SuperposedRejoin
 from toolpace.deflection.rejoin_motion import RejoinMotion
-from toolpace.machine.limits import KINDS
-from toolpace.planning.limit_tolerances import DETOUR
+from toolpace.machine.limits import KINDS, Limits
+from toolpace.machine.rows import Rows
+from toolpace.planning.limit_tolerances import DETOUR, PROMISED
 
 SAMPLES, FINAL = 6, 64
 """Looks in each step of a way: while one is searched, and before it is taken."""
@@ -23,6 +25,8 @@ JUMP, NEAR = 0.01, 0.95
 """Change of the jerk between two instants, over its limit, that may hide more where it is so near the limit."""
 RISE = 1.1
 """Times the feed to which the acceleration of the start may carry the tip while all joints brake in proportion."""
+START_RISE = 1.001
+"""Times the use of a row at the start, where it is above its limit, that is rounding of the looks after it."""
 ROUNDING = 1e-9
 """Of positions against travel [m or rad]."""
 
@@ -55,6 +59,8 @@ def check_limits(problem: Problem, rejoin: SuperposedRejoin | RestartFromRest, s
     joints = max(float((np.abs(rate) / limit).max()) for rate, limit in zip(rates, limits))
     if samples == FINAL:
         joints = max(joints, at_jumps(rejoin, t, rates[2] / limits[2], limits[2]))
+    if problem.limits.rows:
+        joints = max(joints, rows_used(problem.limits, np.stack([q, *rates])))
     feed, above = 0.0, 0.0
     if problem.machine is not None:
         allowed = feed_at(problem.commanded.run, rejoin.abreast(t))
@@ -75,6 +81,33 @@ def check_limits(problem: Problem, rejoin: SuperposedRejoin | RestartFromRest, s
                 above = float(t[min(int(np.flatnonzero(excused)[-1]) + 1, len(t) - 1)])
             feed = float(np.where(excused, 0.0, ratio).max())
     return LimitCheck(joints, feed, inside, above)
+
+
+def row_use(rows: Sequence[Rows], motion: Floats) -> Floats:
+    """(n,) the largest share of rows, torques and limits over speed that a motion (4, n, m) over time uses.
+
+    With the time as the parameter of the path ds/dt is 1. DETOUR stands for what is promised of them: the motion that
+    is rejoined may use as much.
+    """
+    state, q = np.zeros((4, motion.shape[1])), np.ascontiguousarray(motion)
+    state[1] = 1.0
+    used: Floats = np.max([each.ratio(q, state) for each in rows], axis=0, initial=0.0) * (DETOUR / PROMISED)
+    return used
+
+
+def rows_used(limits: Limits, motion: Floats) -> float:
+    """The largest share of rows, torques and limits over speed, of what a motion (4, n, m) over time is free to choose.
+
+    In the pose that was found the accelerations commanded may take more than a limit, and no command changes that at
+    once: it may not rise, and is excused until it is within the limit. Jerk may change at once.
+    """
+    worst = 0.0
+    for each in limits.rows:
+        use = row_use((each,), motion)
+        if each.order == 1:
+            use[np.logical_and.accumulate(use > DETOUR) & (use <= use[0] * START_RISE)] = 0.0
+        worst = max(worst, float(use.max()))
+    return worst
 
 
 def at_jumps(rejoin: RejoinMotion, t: Floats, share: Floats, jerk: Floats) -> float:

@@ -28,6 +28,7 @@ from toolpace.deflection.rejoin.joint_splines import (
     solved,
     with_feed,
 )  # fmt: skip
+from toolpace.deflection.rejoin.limit_check import FINAL, rows_used
 from toolpace.deflection.rejoin_motion import Detour, RejoinMotion
 from toolpace.machine.limits import KINDS
 from toolpace.planning.limit_tolerances import DETOUR
@@ -244,9 +245,13 @@ def with_rows(
 
 def passing(spline: Spline, share: float) -> Detour | None:
     """The motion of a spline, if it keeps to the limits, to travel and to the feed of where it is."""
-    detour = meeting(detour_of(spline))
+    detour, limits = meeting(detour_of(spline)), spline.problem.limits
     if joints_used(spline.problem, detour) > DETOUR:
         return None
+    if limits.rows:
+        t = np.unique(np.linspace(detour.times[:-1], detour.times[1:], FINAL))
+        if rows_used(limits, detour.motion(t)) > DETOUR:
+            return None
     return detour if spline.problem.machine is None or (too_fast(spline, detour, share) <= DETOUR).all() else None
 
 

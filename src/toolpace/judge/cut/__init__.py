@@ -6,17 +6,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
+from toolpace.judge.alignment import Lost
 from toolpace.judge.cut.instants import CutJudge, CutPromise, Instant
-from toolpace.judge.cut.stations import chosen_stations, engagement_checks
+from toolpace.judge.cut.stations import chosen_stations, engagement_checks, passed_again, passed_stations
+from toolpace.judge.program import JudgedProgram
+from toolpace.judge.tool import forward_kinematics
 from toolpace.judge.verification import Check
+from toolpace.machine.cutting_tool import CuttingTool
+from toolpace.machine.machine import Machine
 from toolpace.motion.setpoints import SetPoints
+from toolpace.programs.tolerances import Tolerances
 from toolpace.programs.toolpath import ToolPath
 
-__all__ = ["CutJudge", "CutPromise", "Instant", "checks_of_cut", "cut_checks", "not_judged"]
+__all__ = ["Bent", "CutJudge", "CutPromise", "Instant", "checks_of_cut", "cut_checks", "not_judged"]
 
 INSTANTS, STATIONS = 24, 12
 """That are judged."""
@@ -28,6 +35,11 @@ SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
+STAYING = 5
+"""Points of a tool that may be beside what stays: cells do not tell less of it."""
+STEADY, REACHED = 5, 0.97
+"""Places at which it is looked whether a limit that sets the speed is reached, and the share that must be: cells may
+tell an engagement too high."""
 UNITS = {
     "chip": "m", "feed_per_tooth": "m", "removal_rate": "m3/s", "force": "N", "torque": "N m", "power": "W",
     "moment": "N m", "stress": "Pa", "deflection": "m", "surface_deflection": "m", "compensated_deflection": "m",
@@ -37,14 +49,47 @@ CutFile = Mapping[str, Floats | Ints]
 """The arrays of cut_limits.npz."""
 
 
-def checks_of_cut(points: SetPoints, toolpath: ToolPath, promise: CutPromise, file: CutFile) -> list[Check]:
+def checks_of_cut(
+    points: SetPoints, toolpath: ToolPath, promise: CutPromise, file: CutFile, bent: Bent | None = None
+) -> list[Check]:
     """Whether the cut of set-points along a tool path with the program's own feeds is as was promised, and whether a
-    plan's file tells it as it is."""
-    judge = CutJudge(points, toolpath, promise)
+    plan's file tells it as it is; bent: of a tool that bends, on a path that is compensated for it."""
+    if bent is None:
+        judge = CutJudge(points, toolpath, promise)
+    else:
+        tips = bent.tips(points)
+        if tips is None:
+            return [not_judged("the motion is not that of the program")]
+        judge = CutJudge(points, toolpath, promise, tips, bent.room)
+        file = passed_again(judge, file)
     checks = cut_checks(judge, file, INSTANTS, STATIONS)
     if judge.unseen:
         checks.append(not_judged(f"no shape is known of tool {', '.join(judge.unseen)}"))
     return checks
+
+
+@dataclass(frozen=True)
+class Bent:
+    """A tool that bends, on a machine, along a program with the feeds that its cut allows."""
+
+    tool: CuttingTool
+    machine: Machine
+    toolpath: ToolPath
+    tip: Tolerances
+    axis: Tolerances
+
+    @property
+    def room(self) -> float:
+        """How far the bent tip may be from a path within the tolerance [m]: both may be off to either side."""
+        return 2.0 * float(self.tip.tip_beside_chords(self.toolpath).max())
+
+    def tips(self, points: SetPoints) -> Floats | None:
+        """(n, 3) of the bent tool at set-points [m]; None where they are not this program's."""
+        program = JudgedProgram(self.toolpath, self.machine, self.tip, self.axis, self.tool)
+        assert program.bent is not None
+        there, dt = forward_kinematics(points, self.machine), float(points.t[1] - points.t[0])
+        tips = program.bent.tips(points, *there, program.line.poses, program.owner, program.along, dt)
+        return None if isinstance(tips, Lost) else tips
 
 
 def not_judged(reason: str) -> Check:
@@ -64,7 +109,9 @@ def cut_checks(judge: CutJudge, file: CutFile, instants: int, stations: int) -> 
         checks.append(air_check(judge, judge.instants(instants, rows=raised)))
     if promise.feeds == "learned":
         checks.append(learned_check(judge, judge.instants(instants, rows=raised)))
-    return [*checks, allowed_check(judge, file, stations), speed_check(judge, file)]
+    if not promise.finishing:
+        checks.append(finishing_check(judge, raised))
+    return [*checks, allowed_check(judge, file, stations), *reached_checks(judge, file), speed_check(judge, file)]
 
 
 def raised_check(judge: CutJudge, raised: Ints) -> Check:
@@ -81,7 +128,7 @@ def limit_checks(judge: CutJudge, found: Sequence[Instant]) -> list[Check]:
     """The worst instant of each limit, of all tools."""
     by_name: dict[str, list[Instant]] = {}
     for each in found:
-        for name in judge.promise.limits_of(each.tool):
+        for name in each.limits:
             by_name.setdefault(name, []).append(each)
     return [limit_check(judge, instants, name) for name, instants in by_name.items()]
 
@@ -90,10 +137,10 @@ def limit_check(judge: CutJudge, found: Sequence[Instant], name: str) -> Check:
     """Whether a limit is held at instants of tools that have it."""
 
     def share_of(at: Instant) -> float:
-        return float(at.loads.get(name, 0.0)) / judge.promise.limits_of(at.tool)[name]
+        return float(at.loads.get(name, 0.0)) / at.limits[name]
 
     worst, share = worst_of(judge, found, share_of, 1.0 + HELD)
-    limit, what = judge.promise.limits_of(worst.tool)[name], f"{name.replace('_', ' ')} of the cut"
+    limit, what = worst.limits[name], f"{name.replace('_', ' ')} of the cut"
     return Check(what, share * limit, limit, UNITS[name], share <= 1.0 + HELD, worst.time, worst.block)
 
 
@@ -117,6 +164,22 @@ def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
     return Check(what, share, limit, "", share <= limit, worst.time, worst.block)
 
 
+def finishing_check(judge: CutJudge, raised: Ints) -> Check:
+    """Whether nowhere a surface that stays is beside the tool where the tip is faster than the program's feed."""
+    worst = Check("surface that stays, above the feed", 0.0, STAYING, "", True, note="points of the tool beside it")
+    chosen = np.random.default_rng(len(raised)).permutation(raised)[:STATIONS]
+    for row in np.sort(chosen).tolist():
+        count = judge.staying(row)
+        if count > STAYING:
+            count = min(judge.staying(each) for each in judge.rows_near(row, judge.promise.resolution))
+        if count > worst.value:
+            time, block = float(judge.points.t[row]), int(judge.points.block[row])
+            worst = Check(worst.what, count, STAYING, "", count <= STAYING, time, block, note=worst.note)
+        if not worst.ok:
+            break
+    return worst
+
+
 def allowed_check(judge: CutJudge, file: CutFile, stations: int) -> Check:
     """Whether what was promised would hold at some stations, were the tip as fast as the file says that it may be."""
     promise, worst = judge.promise, Check("cut at the speed that is allowed", 0.0, 1.0, "", True)
@@ -126,8 +189,8 @@ def allowed_check(judge: CutJudge, file: CutFile, stations: int) -> Check:
             return layer_above_feed(at) / (THIN * promise.resolution)
         if promise.feeds == "learned":
             return share_of_teacher(promise, at) / (1.0 + LEARNED)
-        limits = promise.limits_of(at.tool)
-        return max((float(at.loads.get(name, 0.0)) / limits[name] for name in limits), default=0.0) / (1.0 + HELD)
+        shares = (float(at.loads.get(name, 0.0)) / limit for name, limit in at.limits.items())
+        return max(shares, default=0.0) / (1.0 + HELD)
 
     for i, row in chosen_stations(judge, file, stations):
         speed = float(file["station most"][i])
@@ -140,6 +203,43 @@ def allowed_check(judge: CutJudge, file: CutFile, stations: int) -> Check:
             if share > worst.value:
                 worst = Check(worst.what, share, 1.0, "", share <= 1.0, at.time, at.block, note="share of its load")
     return worst
+
+
+def reached_checks(judge: CutJudge, file: CutFile) -> list[Check]:
+    """Whether each limit that sets speeds, as the file has it, is promised, and reached at the speeds that it allows:
+    where another limit, material, spindle or tool is told than that which the plan was made with, it is not."""
+    promise, most = judge.promise, np.asarray(file["station most"], dtype=np.float64)
+    if promise.feeds == "air":
+        return []
+    stations, rows = passed_stations(judge, file)
+    held = (most[stations] > 0.0) & ((promise.feeds == "limits") | (most[stations] > (1.0 + SPEED) * judge.feed[rows]))
+    stations, rows = stations[held], rows[held]
+    beside = np.abs(np.append(most[1:], most[-1:]) - np.append(most[:1], most[:-1]))
+    changes, rng = beside[stations] / most[stations], np.random.default_rng(len(most))
+    source, found = np.asarray(file["station limit"], dtype=np.int64)[stations], []
+    for index in np.unique(source).tolist():
+        name, some = str(file["names"][index]), np.flatnonzero(source == index)
+        if name not in ("feed", "feed in air"):
+            # where a speed changes it is that of a place beside
+            steady = some[np.argsort(changes[some], kind="stable")][: math.ceil(len(some) / 4)]
+            chosen = np.sort(rng.permutation(steady)[:STEADY])
+            at = [judge.instant(int(rows[k]), float(most[stations[k]])) for k in chosen.tolist()]
+            found.append(reached_check(promise, at, name))
+    return found
+
+
+def reached_check(promise: CutPromise, at: Sequence[Instant], name: str) -> Check:
+    """Whether what sets the speeds of some places is reached at one of them."""
+    what, kind = f"{name}, where it sets the speed", name.replace(" ", "_")
+    if promise.feeds == "learned":
+        shares = [share_of_teacher(promise, each) if name == "load of the teacher" else math.nan for each in at]
+    else:
+        shares = [float(each.loads.get(kind, 0.0)) / each.limits.get(kind, math.nan) for each in at]
+    k = int(np.argmax(shares))
+    if math.isnan(shares[k]):
+        return Check(what, math.nan, 0.0, "", False, at[k].time, at[k].block, note="is none that was promised")
+    note = "share of it"
+    return Check(what, shares[k], REACHED, "", shares[k] >= REACHED, at[k].time, at[k].block, note=note, at_least=True)
 
 
 def worst_of(

@@ -5,14 +5,16 @@ Nothing of the stock's cells, of engagement or of forces of the accused is used:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
-from toolpace.judge.cut.sections import Poses, Section, Surface, ToolMotion
+from toolpace.judge.cut.beam import ToolBeam
+from toolpace.judge.cut.sections import Poses, Section, Surface, SweptTools, ToolMotion, near
 from toolpace.judge.cut.shapes import Shape, shape_of
 from toolpace.judge.cut.stocks import Stock
 from toolpace.judge.cut.turning import Cutting, loads_of
@@ -25,6 +27,8 @@ CLOSE = 0.1e-3
 """Most between two poses of the swept tools [m]: a mill of 2 mm leaves ridges of a micrometre between them."""
 NEAR = 4
 """Places on each side of one at which a cut is looked at that is known to a cell."""
+HEIGHTS, AROUND, BESIDE = 24, 48, 0.3
+"""Of a tool's surface at which it is looked for material that stays, and how far outside it, as a share of a cell."""
 STANDS = 1e-9
 """Less than that the tip does not move from one set-point to the next but one [m]."""
 
@@ -49,10 +53,26 @@ class CutPromise:
     """Size of a cell of the stock that the plan was made with [m]."""
     margin: float = 0.0
     """By how much more than the stock its cells may be in material: by one, where it is grown by an uncertainty [m]."""
+    spindle: Mapping[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
+    """Most power [W] and torque [N m] that the spindle gives, over turns per second [1/s]: by the name of the limit."""
 
-    def limits_of(self, tool: str) -> dict[str, float]:
-        """Those of a tool."""
-        return {**self.limits.get("", {}), **self.limits.get(tool, {})}
+    finishing: bool = True
+    """Whether speeds may be raised where a surface is made that stays."""
+    uncertainty: float = 0.0
+    """By how much `stock` is larger than the one that is told [m]."""
+
+    def limits_of(self, tool: str, turns: float) -> dict[str, float]:
+        """Those of a tool at turns of the spindle per second [1/s]: its own, and what the spindle gives where forces
+        are known."""
+        found = {**self.limits.get("", {}), **self.limits.get(tool, {})}
+        for name, curve in self.spindle.items() if self.coefficients_of(tool) is not None else ():
+            speeds, most = zip(*curve)
+            found[name] = min(found.get(name, math.inf), float(np.interp(turns, speeds, most)))
+        return found
+
+    def coefficients_of(self, tool: str) -> Coefficients | None:
+        """Of what a tool cuts; None where they are not told."""
+        return self.coefficients.get(tool, self.coefficients.get(""))
 
 
 @dataclass(frozen=True)
@@ -70,26 +90,34 @@ class Instant:
     """Of the tip [m/s]."""
     feed: float
     """The highest of the program in this block [m/s]."""
+    limits: Mapping[str, float]
+    """Of its loads, in SI."""
     loads: Mapping[str, float]
     """In SI, by the names of limits; "layer" is what is cut on the mean over the height of the cut [m]."""
 
 
 class CutJudge:
-    """Sees the cut of a motion of a promise at some instants."""
+    """Sees the cut of a motion of a promise at some instants. Of a tool that bends, on a path that is compensated for
+    it, `bent` (n, 3) is where its tip is in truth at the set-points, to within `room` [m]."""
 
-    def __init__(self, points: SetPoints, toolpath: ToolPath, promise: CutPromise) -> None:
+    def __init__(
+        self, points: SetPoints, toolpath: ToolPath, promise: CutPromise, bent: Floats | None = None, room: float = 0.0
+    ) -> None:
         self.points, self.toolpath, self.promise = points, toolpath, promise
-        shapes = [None if tool is None else shape_of(tool) for tool in promise.tools]
-        self.shapes: tuple[Shape, ...] = tuple(shape for shape in shapes if shape is not None)
-        self.shape_of_operation = np.cumsum([shape is not None for shape in shapes]) - 1
-        self.shape_of_operation[[shape is None for shape in shapes]] = -1
+        self.tip: Floats = points.tip if bent is None else bent
+        self.give = None if bent is None else bent - points.tip
+        self.room = room
+        self.shapes: tuple[Shape, ...] = tuple(shape_of(tool) for tool in promise.tools if tool is not None)
+        there = np.array([tool is not None for tool in promise.tools], dtype=np.bool_)
+        self.shape_of_operation = np.where(there, np.cumsum(there) - 1, -1)
+        self.beams = [None if tool is None or tool.stick_out is None else ToolBeam(tool) for tool in promise.tools]
         self.operation, self.rapid = self._of_blocks()
         self.poses, self.row = self._poses()
-        self._found: dict[tuple[int, float], Instant] = {}
+        self._found: dict[tuple[int, float | None], Instant] = {}
 
     @property
     def unseen(self) -> list[str]:
-        """Tools at feed whose shape is not known, or is that of no tool."""
+        """Tools at feed whose shape is not known."""
         at_feed = np.unique(self.toolpath.operation[1:][~self.toolpath.rapid[1:]]).tolist()
         return sorted({self.toolpath.operations[k].tool for k in at_feed if self.shape_of_operation[k] < 0})
 
@@ -103,7 +131,7 @@ class CutJudge:
 
     def _poses(self) -> tuple[Poses, Ints]:
         """Poses of the whole motion, at most CLOSE apart, and the set-point (n,) at or before each."""
-        tip, axis, reach = self.points.tip, self.points.axis, max([each.reach for each in self.shapes], default=0.0)
+        tip, axis, reach = self.tip, self.points.axis, max([each.reach for each in self.shapes], default=0.0)
         moves = np.maximum(
             np.linalg.norm(np.diff(tip, axis=0), axis=1),
             np.linalg.norm(np.diff(tip + reach * axis, axis=0), axis=1),
@@ -122,7 +150,7 @@ class CutJudge:
     @cached_property
     def moving(self) -> Ints:
         """(n,) set-points at feed at which a tool moves that is judged, neighbours in the same operation."""
-        tip = self.points.tip
+        tip = self.tip
         moves = np.linalg.norm(tip[2:] - tip[:-2], axis=1) > STANDS
         same = (self.operation[2:] == self.operation[:-2]) & ~self.rapid[:-2] & ~self.rapid[2:]
         found: Ints = np.flatnonzero(moves & same & (self.shape_of_operation[self.operation[1:-1]] >= 0)) + 1
@@ -157,21 +185,28 @@ class CutJudge:
 
     def instant(self, row: int, speed: float | None = None) -> Instant:
         """What is found at a set-point; what would be, were the tip as fast as a `speed` [m/s]."""
-        speed = float(self.speed[row]) if speed is None else speed
         if (row, speed) not in self._found:
-            surface, points = self.surface(row), self.points
+            surface, points, tool = self.surface(row), self.points, self.tool_at(row)
+            own = float(self.speed[row])
+            times = 1.0 if speed is None else speed / own
+            # what is compensated is the deflection at the speed of the motion
+            give = self.give[row] if speed is None and self.give is not None else None
             self._found[row, speed] = Instant(
-                row, float(points.t[row]), int(points.block[row]), self.tool_at(row), speed, float(self.feed[row]),
-                self.loads(row, surface, surface.section(), speed / float(self.speed[row])),
+                row, float(points.t[row]), int(points.block[row]), tool, times * own, float(self.feed[row]),
+                self.promise.limits_of(tool, self.turns(row)),
+                self.loads(row, surface, surface.section(), times, give),
             )  # fmt: skip
         return self._found[row, speed]
 
-    def loads(self, row: int, surface: Surface, section: Section, times: float) -> dict[str, float]:
-        """What the tool takes in a section at a set-point, at a multiple of its speed."""
-        tool, coefficients = self.promise.tools[int(self.operation[row])], self.promise.coefficients
+    def loads(
+        self, row: int, surface: Surface, section: Section, times: float, give: Floats | None
+    ) -> dict[str, float]:
+        """What the tool takes in a section at a set-point, at a multiple of its speed; give: see `loads_of`."""
+        operation = int(self.operation[row])
+        tool, beam = self.promise.tools[operation], self.beams[operation]
         assert tool is not None
-        own = coefficients.get(self.tool_at(row), coefficients.get(""))
-        found = loads_of(section, Cutting(tool, own, self._turns(row, tool)), surface.motion.times(times))
+        cutting = Cutting(tool, self.promise.coefficients_of(self.tool_at(row)), self.turns(row))
+        found = loads_of(section, cutting, surface.motion.times(times), beam, give)
         _, ends, _ = surface.shape.at(section.edges.ravel())
         high = max(float(np.ptp(ends)) if len(ends) else 0.0, self.promise.resolution)
         found["layer"] = found["removal_rate"] / max(times * float(self.speed[row]) * high, 1e-30)
@@ -179,7 +214,7 @@ class CutJudge:
 
     def rows_near(self, row: int, way: float) -> list[int]:
         """Set-points before and behind one, as far as the tip moves by `way` [m] and goes on cutting: NEAR each."""
-        tip, found = self.points.tip, {row}
+        tip, found = self.tip, {row}
         for step in (-1, 1):
             off = np.linalg.norm(tip[row::step] - tip[row], axis=1)
             beyond = np.flatnonzero((off > way) | (self.operation[row::step] != self.operation[row]))
@@ -192,20 +227,38 @@ class CutJudge:
         points, dt = self.points, float(self.points.t[1] - self.points.t[0])
         operation = int(self.operation[row])
         axis = points.axis[row]
-        velocity = (points.tip[row + 1] - points.tip[row - 1]) / (2.0 * dt)
+        velocity = (self.tip[row + 1] - self.tip[row - 1]) / (2.0 * dt)
         turning = np.cross(axis, (points.axis[row + 1] - points.axis[row - 1]) / (2.0 * dt))
         shape = self.shapes[self.shape_of_operation[operation]]
-        motion = ToolMotion(shape, points.tip[row], axis, velocity, turning)
+        motion = ToolMotion(shape, self.tip[row], axis, velocity, turning)
         assert self.promise.stock is not None
         before = int(np.searchsorted(self.row, row, side="left"))
         return Surface(motion, before, self.poses, self.shapes, self.promise.stock)
+
+    def staying(self, row: int) -> int:
+        """How many points of the tool's surface at a set-point have material close outside them that stays to the end.
+        """
+        motion = self.surface(row).motion
+        shape, share = motion.shape, (np.arange(HEIGHTS) + 0.5) / HEIGHTS
+        # closer to each other near the end, where most is cut
+        of_flat = shape.flat * share if shape.flat > 0.0 else share[:0]
+        length = np.concatenate([of_flat, shape.flat + (shape.length - shape.flat) * share**2])
+        angle, kappa = (np.arange(AROUND) + 0.5) * 2.0 * math.pi / AROUND, shape.at(length)[2][:, None, None]
+        outwards = np.sin(kappa) * motion.direction(angle) - np.cos(kappa) * motion.axis
+        place = (motion.place(length, angle) + BESIDE * self.promise.resolution * outwards).reshape(-1, 3)
+        assert self.promise.stock is not None
+        place = place[self.promise.stock(place, -self.promise.uncertainty)]
+        after = near(motion, len(self.poses.tip), self.poses, self.shapes)
+        return int((~SweptTools(after, self.poses, self.shapes)(place)).sum())
 
     def tool_at(self, row: int) -> str:
         """The tool of a set-point, as the program calls it."""
         return self.toolpath.operations[int(self.operation[row])].tool
 
-    def _turns(self, row: int, tool: ToolFigures) -> float:
+    def turns(self, row: int) -> float:
         """Of the spindle per second at a set-point [1/s]."""
         speed = self.toolpath.spindle[self.toolpath.block == self.points.block[row]]
         of_block = np.abs(speed[np.isfinite(speed) & (speed != 0.0)])
-        return float(of_block[-1]) if len(of_block) else abs(tool.spindle_speed or 1.0)
+        tool = self.promise.tools[int(self.operation[row])]
+        told = None if tool is None else tool.spindle_speed
+        return float(of_block[-1]) if len(of_block) else abs(told or 1.0)

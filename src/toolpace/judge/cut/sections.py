@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,8 +31,8 @@ GAP = 1e-9
 """Closer to an earlier tool than that is within it [m]."""
 SLIDES = 1e-3
 """Share of the motion: where the surface moves outwards by less at any angle, it slides."""
-POSES, BLOCK = 256, 256
-"""Earlier poses that points are compared with in one piece; poses of the motion that one box is about."""
+BLOCK = 256
+"""Poses of the motion that one box is about."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Poses:
     tool: Ints
     """(n,) index of the shape; -1 where it has none."""
 
+    @cached_property
     def boxes(self) -> tuple[Floats, Floats]:
         """Least and most tip (blocks, 3) of each BLOCK of them, whatever the tool."""
         first = np.arange(0, len(self.tip), BLOCK)
@@ -82,24 +84,33 @@ class ToolMotion:
         return math.atan2(float(left @ self.feed), float(left @ self.left))
 
     def direction(self, angle: Floats) -> Floats:
-        """(n, 3) across the axis at angles (n,)."""
-        return np.cos(angle)[:, None] * self.left + np.sin(angle)[:, None] * self.feed
+        """(..., 3) across the axis at angles (...)."""
+        return np.cos(angle)[..., None] * self.left + np.sin(angle)[..., None] * self.feed
 
     def place(self, length: Floats, angle: Floats) -> Floats:
-        """(n, 3) of the surface at lengths of the meridian and angles (n,) [m]."""
+        """(m, k, 3) of the surface at lengths of the meridian (m,) and angles (m, k) or (k,) [m]."""
         radius, height, _ = self.shape.at(length)
-        found: Floats = self.tip + height[:, None] * self.axis + radius[:, None] * self.direction(angle)
+        middle = self.tip + height[:, None] * self.axis
+        found: Floats = middle[:, None] + radius[:, None, None] * self.direction(angle)
         return found
 
-    def outwards(self, length: Floats, angle: Floats) -> Floats:
-        """(n,) how fast the surface moves along its normal there [m/s]; 0 where it slides at all angles."""
+    def outward_terms(self, length: Floats) -> Floats:
+        """(m, 3) how fast the surface moves along its normal at lengths (m,): by the cosine and the sine of its angle,
+        and at all [m/s]; 0 where it slides at all angles."""
         radius, height, kappa = self.shape.at(length)
         sine, cosine = np.sin(kappa)[:, None], np.cos(kappa)
         lever = height * sine[:, 0] + radius * cosine
         sideways = sine * (self.velocity - self.along * self.axis) + lever[:, None] * self.swing
-        moves = np.einsum("nc,nc->n", sideways, self.direction(angle)) - cosine * self.along
-        most = np.linalg.norm(sideways, axis=1) - cosine * self.along
-        return np.where(most > SLIDES * self.speed, moves, 0.0)
+        terms = np.column_stack([sideways @ self.left, sideways @ self.feed, -cosine * self.along])
+        most = np.hypot(terms[:, 0], terms[:, 1]) + terms[:, 2]
+        found: Floats = np.where((most > SLIDES * self.speed)[:, None], terms, 0.0)
+        return found
+
+    def outwards(self, length: Floats, angle: Floats) -> Floats:
+        """(m, k) how fast it does at lengths (m,) and angles (m, k) or (k,) [m/s]."""
+        cosine, sine, whole = self.outward_terms(length).T[:, :, None]
+        found: Floats = cosine * np.cos(angle) + sine * np.sin(angle) + whole
+        return found
 
 
 class Surface:
@@ -107,16 +118,18 @@ class Surface:
 
     def __init__(self, motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...], stock: Stock) -> None:
         self.motion, self.shape = motion, motion.shape
-        self.poses, self.shapes, self.stock, self.k = poses, shapes, stock, k
-        self.before = near(motion, k, poses, shapes)
+        self.stock = stock
+        self.swept = SweptTools(near(motion, k, poses, shapes), poses, shapes)
 
-    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0) -> Bools:
-        """(n,) whether it moves into material at lengths (n,) of the meridian [m] and angles (n,) [rad]; into that of a
-        stock which is larger by a margin [m]."""
+    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0, room: float = 0.0) -> Bools:
+        """(m, k) whether it moves into material at lengths (m,) of the meridian [m] and angles (m, k) or (k,) [rad];
+        into that of a stock which is larger by a margin [m], and of which earlier tools have left more by `room` [m].
+        """
         found: Bools = self.motion.outwards(length, angle) > 0.0
-        place = self.motion.place(length[found], angle[found])
-        found[found] = self.stock(place, margin)
-        found[found] = ~reached(self.motion.place(length[found], angle[found]), self.before, self.poses, self.shapes)
+        place = self.motion.place(length, angle)[found]
+        inside = self.stock(place, margin)
+        inside[inside] = ~self.swept(place[inside], GAP + room)
+        found[found] = inside
         return found
 
     def top(self) -> float:
@@ -138,21 +151,19 @@ class Surface:
 
     def _anywhere(self, lengths: Floats) -> Bools:
         """(m,) whether it is in material at any angle, at lengths (m,)."""
-        angle = (np.arange(COARSE_ANGLES) + 0.5) * TURN / COARSE_ANGLES
-        found = self.in_material(np.repeat(lengths, COARSE_ANGLES), np.tile(angle, len(lengths)))
-        return np.asarray(found.reshape(-1, COARSE_ANGLES).any(axis=1))
+        return np.asarray(self.seen_at(lengths, COARSE_ANGLES).any(axis=1))
 
     def section(self) -> Section:
         """Its arcs, by bands up to where it is in material."""
         edges = bands_of(self.shape, self.top())
         return Section(edges, self.arcs(edges.mean(axis=1)))
 
-    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0) -> Bools:
+    def seen_at(
+        self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0, room: float = 0.0
+    ) -> Bools:
         """(m, count) whether it is in material at lengths (m,), at so many angles from the first on; see
         `in_material`."""
-        angle = first + (np.arange(count) + 0.5) * TURN / count
-        found = self.in_material(np.repeat(lengths, count), np.tile(angle, len(lengths)), margin)
-        return found.reshape(len(lengths), count)
+        return self.in_material(lengths, first + (np.arange(count) + 0.5) * TURN / count, margin, room)
 
     def arcs(self, lengths: Floats) -> tuple[tuple[int, float, float], ...]:
         """Those at lengths (m,): which, entry and exit [rad]."""
@@ -163,7 +174,7 @@ class Surface:
         low = high - step
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            same = self.in_material(lengths[row], middle) == enters
+            same = self.in_material(lengths[row], middle[:, None])[:, 0] == enters
             high, low = np.where(same, middle, high), np.where(same, low, middle)
         edge = 0.5 * (low + high)
         arcs = [(j, 0.0, TURN) for j in range(count) if inside[j].all()]
@@ -205,7 +216,7 @@ def near(motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...]) ->
     widest = np.array([shape.widest for shape in shapes] + [0.0])
     reach = np.array([shape.reach for shape in shapes] + [0.0])
     own = motion.shape
-    low, high = poses.boxes()
+    low, high = poses.boxes
     room = own.widest + own.reach + float(widest.max()) + float(reach.max())
     box = np.flatnonzero(((low <= motion.tip + room) & (high >= motion.tip - room)).all(axis=1))
     rows = (box[:, None] * BLOCK + np.arange(BLOCK)).ravel()
@@ -223,42 +234,24 @@ def near(motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...]) ->
     return kept
 
 
-def reached(place: Floats, before: Ints, poses: Poses, shapes: tuple[Shape, ...]) -> Bools:
-    """(k,) which points (k, 3) a tool has been at in the poses `before` (n,)."""
-    found = np.zeros(len(place), dtype=np.bool_)
-    if not len(place):
-        return found
-    # about the points, squares lose few digits
-    origin = 0.5 * (place.min(axis=0) + place.max(axis=0))
-    round_them = float(np.linalg.norm(place - origin, axis=1).max())
-    before = before[_meets(origin, round_them, before, poses, shapes)]
-    left = np.arange(len(place))
-    for begin in range(0, len(before), POSES):
-        if not len(left):
-            break
-        some = before[begin : begin + POSES]
-        tip, axis = poses.tip[some] - origin, poses.axis[some]
-        at = place[left] - origin
-        height = at @ axis.T - np.einsum("nc,nc->n", tip, axis)
-        square = np.einsum("kc,kc->k", at, at)[:, None] - 2.0 * at @ tip.T + np.einsum("nc,nc->n", tip, tip) - height**2
-        hit = np.zeros(len(left), dtype=np.bool_)
-        for tool in np.unique(poses.tool[some]).tolist():
-            shape, mine = shapes[tool], poses.tool[some] == tool
-            z, r = height[:, mine], square[:, mine]
-            row, column = np.nonzero((z > GAP) & (z < shape.reach) & (r < shape.widest**2))
-            hit[row[shape.holds(z[row, column], r[row, column], GAP)]] = True
-        found[left[hit]] = True
-        left = left[~hit]
-    return found
+class SweptTools:
+    """Where tools have been in some poses of a motion (n,)."""
 
+    def __init__(self, some: Ints, poses: Poses, shapes: tuple[Shape, ...]) -> None:
+        from toolpace.kernels.judge.swept_tools import Solids, ToolPoses, groups
 
-def _meets(centre: Floats, radius: float, before: Ints, poses: Poses, shapes: tuple[Shape, ...]) -> Bools:
-    """(n,) which tools in the poses `before` (n,) come into a ball [m]."""
-    tool = poses.tool[before]
-    wide = radius + np.array([shape.widest for shape in shapes])[tool]
-    reach = np.array([shape.reach for shape in shapes])[tool]
-    off = centre - poses.tip[before]
-    along = np.einsum("nc,nc->n", off, poses.axis[before])
-    beside = np.einsum("nc,nc->n", off, off) - along**2
-    found: Bools = (beside < wide**2) & (along > -radius) & (along < reach + radius)
-    return found
+        pieces = [
+            np.column_stack([each.height[:-1], each.radius, np.sin(each.kappa), np.cos(each.kappa), each.curvature])
+            for each in shapes
+        ]
+        first = np.cumsum([0, *map(len, pieces)])
+        reach, widest = (np.array([getattr(each, name) for each in shapes]) for name in ("reach", "widest"))
+        self.solids = Solids(np.concatenate(pieces), first, reach, widest)
+        self.poses = ToolPoses(poses.tip[some], poses.axis[some], poses.tool[some])
+        self.groups = groups(self.poses, self.solids)
+
+    def __call__(self, place: Floats, depth: float = GAP) -> Bools:
+        """(k,) which points (k, 3) one has been at, deeper than a depth within it [m]."""
+        from toolpace.kernels.judge.swept_tools import reached
+
+        return reached(place, self.poses, self.groups, self.solids, depth)

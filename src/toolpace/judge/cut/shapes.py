@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolpace.common.arrays import Bools, Floats, Ints
+from toolpace.common.arrays import Floats, Ints
 from toolpace.programs.tool_figures import ToolFigures
 
 RIGHT = 0.5 * math.pi
@@ -80,31 +80,19 @@ class Shape:
         found: Floats = self.begin[k] + on
         return found
 
-    def holds(self, height: Floats, square: Floats, margin: float) -> Bools:
-        """(n,) whether points at heights and squared distances from the axis (n,) [m, m2] are within it, deeper than a
-        margin [m]."""
-        k = self._piece_at(height)
-        up, curvature, first = height - self.height[k], self.curvature[k], self.kappa[k]
-        cosine = np.cos(first) - curvature * up
-        arc = np.where(curvature > 0.0, curvature, 1.0)
-        on_arc = (np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) - np.sin(first)) / arc
-        radius = self.radius[k] + np.where(curvature > 0.0, on_arc, up / np.tan(np.maximum(first, 1e-12)))
-        inside: Bools = (height > margin) & (height < self.reach) & (square < np.maximum(radius - margin, 0.0) ** 2)
-        return inside
-
     def _piece_at(self, height: Floats) -> Ints:
         found: Ints = np.searchsorted(self.height, height, side="right") - 1
         return np.clip(found, 0, len(self.radius) - 1)
 
 
-def shape_of(tool: ToolFigures) -> Shape | None:
-    """The shape of a tool; None where its arcs do not meet, so that no such tool is."""
+def shape_of(tool: ToolFigures) -> Shape:
+    """The shape of a tool. A lens or a barrel whose large radius is half of its diameter is a ball."""
     half, corner = 0.5 * tool.diameter, min(tool.corner_radius, 0.5 * tool.diameter)
     reach = tool.flute_length or tool.stick_out or UNKNOWN_REACH * tool.diameter
     round_side = math.isfinite(tool.barrel_radius)
-    if round_side and (tool.barrel_radius <= half or corner >= tool.barrel_radius):
-        return None
-    if tool.kind == "barrel" and round_side:
+    if round_side and tool.barrel_radius <= half:
+        pieces = [(0.0, RIGHT, half), (RIGHT, RIGHT, reach)]
+    elif tool.kind == "barrel" and round_side:
         pieces = barrel_of(half, corner, tool.barrel_radius)
     elif tool.kind == "lens" and round_side:
         between = math.asin((half - corner) / (tool.barrel_radius - corner))

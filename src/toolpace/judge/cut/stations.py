@@ -16,6 +16,8 @@ PLACE, TILT = 1e-5, 1e-3
 """How far a station may be from the way of the tip [m], and its axis from that of the motion."""
 DIRECTION = 1e-6
 """By how much directions and shares of a motion may be off those that its stations tell."""
+NEAR_ROWS = 20
+"""Set-points before and behind a station whose block may be its own, where it is known to a tolerance of the tip."""
 LOWERED, AHEAD = 0.4, 1000
 """Share of the least speed of a station and its neighbours down to which the profile may be lowered there, as a speed
 bends or jumps between two of them; stations in which the next place is looked for first."""
@@ -37,28 +39,66 @@ class Seen(NamedTuple):
     everywhere: Bools
     """(slices, ANGLES) whether it is in material at all places within a cell."""
     anywhere: Bools
-    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise."""
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise, and by how well the tip
+    is known."""
 
 
 def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
     """Those of all stations by their columns, and of some by what the tool meets there."""
-    found = [columns_check(judge, file)]
-    if found[0].ok:
+    found = [covered_check(judge, file)]
+    if found[0].ok and len(file["station time"]):
+        found.append(columns_check(judge, file))
+    if len(found) > 1 and found[1].ok:
         chosen = chosen_stations(judge, file, stations)
         found += [arcs_check(judge, file, chosen), end_check(judge, file, chosen)]
     return found
 
 
+def passed_stations(judge: CutJudge, file: File) -> tuple[Ints, Ints]:
+    """(n,) stations at which the tool moves, and (n,) the set-points next to them."""
+    row = np.clip(np.searchsorted(judge.points.t, file["station time"]), 1, len(judge.points) - 2)
+    moves = np.zeros(len(judge.points), dtype=np.bool_)
+    moves[judge.moving] = True
+    stations = np.flatnonzero(moves[row])
+    return stations, row[stations]
+
+
 def chosen_stations(judge: CutJudge, file: File, count: int) -> list[tuple[int, int]]:
     """At most so many stations at which the tool moves, and the set-points next to them."""
-    rng, times = np.random.default_rng(len(file["station time"])), file["station time"]
-    found = []
-    for i in np.unique(rng.integers(0, len(times), count)).tolist():
-        row = int(np.clip(np.searchsorted(judge.points.t, times[i]), 1, len(judge.points) - 2))
-        at = int(np.searchsorted(judge.moving, row))
-        if at < len(judge.moving) and int(judge.moving[at]) == row:
-            found.append((i, row))
-    return found
+    rng, (stations, rows) = np.random.default_rng(len(file["station time"])), passed_stations(judge, file)
+    if not len(stations):
+        return []
+    chosen = np.unique(rng.integers(0, len(stations), count))
+    return list(zip(stations[chosen].tolist(), rows[chosen].tolist()))
+
+
+def passed_again(judge: CutJudge, file: File) -> File:
+    """The same with the times at which a motion passes stations that are those of another, along nearly the same path.
+
+    A station is looked for ahead of the one before it: as far as both are apart, and twice that; where a stretch
+    begins, in its block.
+    """
+    tip, block, times = judge.tip, judge.points.block, []
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(tip, axis=0), axis=1))])
+    places, lines = np.asarray(file["station tip"], dtype=np.float64), file["station block"]
+    begins = (file["engagement across"] == 0.0) & (file["engagement along"] == 0.0)
+    row = 0
+    for k, place in enumerate(places):
+        step = float(np.linalg.norm(place - places[k - 1])) if k else 0.0
+        end = int(np.searchsorted(way, way[row] + 2.0 * step + 2.0 * judge.room, side="right"))
+        rows = np.arange(row, min(max(end, row + 2), len(tip)))
+        if k == 0 or begins[k]:
+            ahead = np.flatnonzero(block[row:] == lines[k]) + row
+            rows = ahead if len(ahead) else rows
+            near = np.linalg.norm(tip[rows] - place, axis=1) <= judge.promise.resolution
+            # the first time that it comes by
+            rows = rows[near][: 1 + int(np.argmin(np.append(np.diff(rows[near]) == 1, False)))] if near.any() else rows
+        row = int(rows[np.linalg.norm(tip[rows] - place, axis=1).argmin()])
+        low, high = max(row - 1, 0), min(row + 1, len(tip) - 1)
+        along = tip[high] - tip[low]
+        share = float(np.clip((place - tip[low]) @ along / max(float(along @ along), 1e-30), 0.0, 1.0))
+        times.append(float(judge.points.t[low] + share * (judge.points.t[high] - judge.points.t[low])))
+    return {**file, "station time": np.maximum.accumulate(times)}
 
 
 def columns_check(judge: CutJudge, file: File) -> Check:
@@ -68,14 +108,15 @@ def columns_check(judge: CutJudge, file: File) -> Check:
     time, tip, axis = (np.asarray(file[f"station {each}"], dtype=np.float64) for each in ("time", "tip", "axis"))
     row = np.clip(np.searchsorted(points.t, time), 1, len(points) - 1)
     share = np.clip((time - points.t[row - 1]) / (points.t[row] - points.t[row - 1]), 0.0, 1.0)[:, None]
-    there, lean = (each[row - 1] + share * (each[row] - each[row - 1]) for each in (points.tip, points.axis))
-    beside = np.stack([points.block[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
-    operations = np.stack([judge.operation[np.clip(row + k, 0, len(points) - 1)] for k in (-2, -1, 0, 1)])
+    there, lean = (each[row - 1] + share * (each[row] - each[row - 1]) for each in (judge.tip, points.axis))
+    near = range(-2, 2) if judge.room == 0.0 else range(-NEAR_ROWS, NEAR_ROWS)
+    beside = np.stack([points.block[np.clip(row + k, 0, len(points) - 1)] for k in near])
+    operations = np.stack([judge.operation[np.clip(row + k, 0, len(points) - 1)] for k in near])
     # where a stretch begins its first station may be passed on the way out of a rapid, which no feed limits
     begins = (file["engagement across"] == 0.0) & (file["engagement along"] == 0.0)
     faults = {
         "a station is not on the way of the tip": np.linalg.norm(there - tip, axis=1) > np.where(
-            begins, judge.promise.resolution, PLACE
+            begins, judge.promise.resolution, PLACE + judge.room
         ),
         "the axis of a station is not that of the motion": np.linalg.norm(lean - axis, axis=1) > TILT,
         "a station is in another block": (beside != file["station block"]).all(axis=0) & ~begins,
@@ -88,6 +129,23 @@ def columns_check(judge: CutJudge, file: File) -> Check:
             k = int(np.argmax(wrong))
             return Check(name, 0.0, 0.0, "", False, float(time[k]), int(file["station block"][k]), note=words)
     return Check(name, 0.0, 0.0, "", True, note=f"{len(time)} of them are those of the motion")
+
+
+def covered_check(judge: CutJudge, file: File) -> Check:
+    """Whether a station is within a cell ahead of the tip wherever a tool moves at feed; no slice is lower than a cell.
+    """
+    times, rows, cell = file["station time"], judge.moving, judge.promise.resolution
+    name = "stations along the cut"
+    if (np.asarray(file["engagement slice_height"]) < cell * (1.0 - DIRECTION)).any():
+        return Check(name, 0.0, 0.0, "", False, note="cells are higher than the slices of the engagement")
+    ahead = np.searchsorted(times, judge.points.t[rows])
+    places = np.append(file["station tip"], np.full((1, 3), np.inf), axis=0)
+    way = np.linalg.norm(places[ahead] - judge.tip[rows], axis=1)
+    if not len(rows):
+        return Check(name, 0.0, cell, "m", True)
+    k, most = int(way.argmax()), cell + PLACE + 2.0 * judge.room
+    time, block = float(judge.points.t[rows[k]]), int(judge.points.block[rows[k]])
+    return Check(name, float(way[k]), most, "m", bool(way[k] <= most), time, block, note="from the tip to the next")
 
 
 def _off_direction(file: File, rapids: Ints) -> Bools:
@@ -185,7 +243,7 @@ def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints, fee
             height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
             lengths = surface.shape.length_at(height)
             everywhere &= surface.seen_at(lengths, ANGLES, first=begin)
-            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin, begin)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin + judge.room, begin, judge.room)
     return Seen(everywhere, anywhere)
 
 

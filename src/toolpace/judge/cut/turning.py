@@ -2,7 +2,7 @@
 
 Each piece of each tooth cuts, while it is in an arc of its band, as thick a chip as the surface has moved outwards
 since the teeth before it passed (Kline and DeVor 1983, with runout and uneven pitch). Forces are linear in the chip
-(Altintas, Manufacturing Automation, 2012). The tool bends as a cantilever, whose lines are summed here in steps.
+(Altintas, Manufacturing Automation, 2012). The tool bends as `beam.py` has it.
 """
 
 from __future__ import annotations
@@ -11,13 +11,18 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
+from toolpace.judge.cut.beam import ToolBeam
 from toolpace.judge.cut.sections import Section, ToolMotion
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.tool_figures import ToolFigures
+
+if TYPE_CHECKING:
+    from toolpace.kernels.judge.turning import EdgePieces, Teeth, Turn
 
 STEPS = 720
 """Of a turn, at least: as many for each tooth."""
@@ -27,11 +32,6 @@ LAG = math.radians(0.5)
 """Most lag of the helix over a piece of the edge [rad]."""
 NEAR_SURFACE = math.radians(4.0)
 """How near its end in an arc is to where the chip is nothing, for the edge to leave a surface there [rad]."""
-FLUTES = 0.8
-"""Diameter of the bar that bends as flutes do, over theirs (Kops and Vo 1990)."""
-MODULI = {"carbide": 580e9, "hss": 207e9, "steel": 207e9, "ceramic": 310e9, "cermet": 450e9}
-"""Young's modulus of the material of a tool [Pa]."""
-BEAM_STEPS = 2000
 RAMP = math.sin(math.radians(3.0))
 """Sine of the slope downwards from which the flat of the end cuts with the whole force of its edge; below it the force
 falls with the square of the slope, as the end rubs where a plane is rounded by a micrometre (docs/design/forces.md)."""
@@ -75,14 +75,37 @@ class Cutting:
         """Whether all teeth cut the same."""
         return not self.tool.pitch and self.tool.runout == 0.0
 
+    def teeth(self) -> Teeth:
+        """Those that are turned through: one, where all cut the same."""
+        from toolpace.kernels.judge.turning import Teeth
+
+        count, runout = len(self.pitch), self.tool.runout
+        own = np.arange(1 if self.alike else count)[:, None]
+        # of those that run true the one before has left the surface
+        others = np.arange(1, 2 if runout == 0.0 else count + 1)
+        gone = np.cumsum(self.pitch[(own + others - 1) % count], axis=1) / (2.0 * math.pi * self.turns)
+        out = runout * np.stack([np.cos(self.offset), np.sin(self.offset)], axis=1)
+        k = self.coefficients or Coefficients(0.0, 0.0)
+        force = [
+            [k.tangential, k.tangential_edge], [k.radial, k.radial_edge], [k.axial, k.axial_edge],
+        ]  # fmt: skip
+        ahead = out[own] - out[(own + others) % count]
+        return Teeth(self.offset[own[:, 0]], gone, ahead, self.sense, np.array(force))
+
     @cached_property
     def offset(self) -> Floats:
         """(teeth,) angle of each tooth from the first [rad]."""
         return self.sense * np.concatenate([[0.0], np.cumsum(self.pitch)[:-1]])
 
 
-def loads_of(section: Section, cutting: Cutting, motion: ToolMotion) -> dict[str, float]:
-    """The largest loads over a turn, in SI, by the names of limits; what nothing tells is left out."""
+def loads_of(
+    section: Section, cutting: Cutting, motion: ToolMotion, beam: ToolBeam | None = None, give: Floats | None = None
+) -> dict[str, float]:
+    """The largest loads over a turn, in SI, by the names of limits; what nothing tells is left out.
+
+    give: (3,) for how much deflection the path is compensated [m]; what is left of it counts as compensated. None: what
+    would be left were the mean of the least and the most compensated.
+    """
     tool = cutting.tool
     teeth, engaged = len(cutting.pitch), bool(section.arcs)
     per_tooth = float(np.linalg.norm(motion.velocity)) / (teeth * cutting.turns)
@@ -96,69 +119,57 @@ def loads_of(section: Section, cutting: Cutting, motion: ToolMotion) -> dict[str
     found["chip"] = fastest / (teeth * cutting.turns)
     if not engaged:
         return found
-    beam = None if tool.stick_out is None else _Beam(tool, edge.height)
     turned = edge.turned(beam)
     found |= {"area": float(turned.area.max()), "edge": float(turned.edge.max())}
     if cutting.coefficients is None:
         return found
-    size = np.linalg.norm(turned.force, axis=1)
     found |= {
-        "force": float(size.max()),
+        "force": float(np.linalg.norm(turned.force, axis=0).max()),
         "torque": float(np.abs(turned.torque).max()),
         "power": abs(float(turned.torque.mean())) * 2.0 * math.pi * cutting.turns,
     }
     if beam is not None:
-        moment = float(np.linalg.norm(turned.moment, axis=1).max())
+        moment = float(np.linalg.norm(turned.moment, axis=0).max())
         found["moment"] = moment
         found["stress"] = moment / (math.pi * beam.holder_diameter**3 / 32.0)
-        found["deflection"] = float(np.linalg.norm(turned.bent[:, 0], axis=1).max())
-        left = edge.left(turned)
+        found["deflection"] = float(np.linalg.norm(turned.tip, axis=0).max())
+        left, normal = edge.left(turned)
         found["surface_deflection"] = float(np.abs(left).max(initial=0.0))
-        found["compensated_deflection"] = 0.5 * float(np.ptp(left)) if len(left) else 0.0
         found["surface_mean"] = 0.5 * float(left.max() + left.min()) if len(left) else 0.0
+        off = left - found["surface_mean"] if give is None else left + normal @ give
+        found["compensated_deflection"] = float(np.abs(off).max(initial=0.0))
     return found
 
 
 class _Turned:
-    """What adds up over the steps of a turn."""
+    """What is taken at the steps of a turn, of all teeth."""
 
-    def __init__(self, steps: int, heights: int) -> None:
-        self.force = np.zeros((steps, 3))
-        """Along feed, left and axis [N]."""
-        self.torque = np.zeros(steps)
-        """[N m]"""
-        self.moment = np.zeros((steps, 2))
-        """At the holder, by forces along feed and left [N m]."""
-        self.area = np.zeros(steps)
-        """Of the chips of all teeth [m2]."""
-        self.edge = np.zeros(steps)
-        """In material, as width of the chips [m]."""
-        self.bent = np.zeros((steps, 1 + heights, 2))
-        """Along feed and left [m]; of the tip first, then of the bands."""
+    def __init__(self, one: Turn, teeth: int, lines: Floats, arm: Floats) -> None:
+        """Take that of one of so many teeth that are alike, deflections per force (1 + bands, p) and how far the
+        pieces (p,) are from the holder."""
+        self._across, self._lines, self._teeth = one.across, lines, teeth
+        axial, torque, self.area, self.edge = self._of_all(one.along.T)
+        self.torque = torque
+        """(steps,) [N m]; and the area of the chips [m2] and the edge in material [m]."""
+        self.force = np.stack([*self._of_all(one.across.sum(axis=2)), axial])
+        """(3, steps) along feed, left and axis [N]."""
+        self.moment = self._of_all(np.einsum("csp,p->cs", one.across, arm))
+        """(2, steps) at the holder, by forces along feed and left [N m]."""
+        self.tip = self._of_all(np.einsum("csp,p->cs", one.across, lines[0]))
+        """(2, steps) deflection of the tip along feed and left [m]."""
 
-    def of_all(self, teeth: int) -> _Turned:
-        """That of so many teeth, all alike, from that of one."""
-        found = _Turned(len(self.torque), self.bent.shape[1] - 1)
-        for name, one in vars(self).items():
-            rolled = [np.roll(one, k * len(one) // teeth, axis=0) for k in range(teeth)]
-            setattr(found, name, np.sum(rolled, axis=0))
+    def _of_all(self, one: Floats) -> Floats:
+        """(..., steps) the sum over the teeth of what one of them takes."""
+        steps = one.shape[-1]
+        found: Floats = np.sum([np.roll(one, k * steps // self._teeth, axis=-1) for k in range(self._teeth)], axis=0)
         return found
 
-
-@dataclass(frozen=True)
-class _Pieces:
-    """p pieces of one edge within a band."""
-
-    middle: Floats
-    """(p,) lengths of the meridian [m]."""
-    width: Floats
-    """(p,) along it [m]."""
-    radius: Floats
-    height: Floats
-    sine: Floats
-    """(p,) across the axis, of the surface's normal."""
-    cosine: Floats
-    """(p,) up along the axis."""
+    def bent(self, band: int, steps: Ints) -> Floats:
+        """(n, 2) deflection of a band along feed and left at some steps (n,) [m]."""
+        whole = self._across.shape[1]
+        of_teeth = (steps[:, None] - np.arange(self._teeth) * whole // self._teeth) % whole
+        found: Floats = np.einsum("cntp,p->nc", self._across[:, of_teeth], self._lines[1 + band])
+        return found
 
 
 class _Edge:
@@ -171,156 +182,77 @@ class _Edge:
         downwards = -motion.along / max(float(np.linalg.norm(motion.velocity)), 1e-12)
         self.rubs = min(max(downwards, 0.0) / RAMP, 1.0) ** 2
         """Share of the force of the edge that the flat of the end takes."""
+        self.band = np.array([band for band, _, _ in section.arcs], dtype=np.int64)
+        self.arc = np.array([ends for _, *ends in section.arcs]).reshape(-1, 2)
+        """(arcs, 2) entry and exit of each [rad]."""
 
     def thickest(self) -> tuple[float, float]:
         """The fastest that the surface moves outwards in material [m/s], and the volume that it takes [m3/s]."""
-        if not self.section.arcs:
+        if not len(self.band):
             return 0.0, 0.0
-        band, entry, leave = (np.array(each) for each in zip(*self.section.arcs))
-        angle = np.linspace(entry, leave, ALONG_ARC, axis=1)
-        length = np.repeat(self.middle[band], ALONG_ARC)
-        moves = np.maximum(self.motion.outwards(length, angle.ravel()), 0.0).reshape(angle.shape)
-        width, radius = np.diff(self.section.edges, axis=1)[band, 0], self.motion.shape.at(self.middle[band])[0]
+        angle, length = np.linspace(self.arc[:, 0], self.arc[:, 1], ALONG_ARC, axis=1), self.middle[self.band]
+        moves = np.maximum(self.motion.outwards(length, angle), 0.0)
+        width, radius = np.diff(self.section.edges, axis=1)[self.band, 0], self.motion.shape.at(length)[0]
         return float(moves.max()), float((width * radius * np.trapezoid(moves, angle, axis=1)).sum())
 
-    def pieces(self, band: int) -> _Pieces:
-        """Those of a band."""
-        low, high = self.section.edges[band]
-        _, ends, _ = self.motion.shape.at(self.section.edges[band])
-        lag = abs(self.cutting.slope) * float(ends[1] - ends[0])
-        rim = np.linspace(low, high, max(math.ceil(lag / LAG), PIECES) + 1)
-        middle = 0.5 * (rim[1:] + rim[:-1])
-        radius, height, kappa = self.motion.shape.at(middle)
-        return _Pieces(middle, np.diff(rim), radius, height, np.sin(kappa), -np.cos(kappa))
+    def pieces(self) -> tuple[EdgePieces, Floats]:
+        """Those of all arcs, along which the helix lags by no more than LAG, and their heights (p,) [m]."""
+        from toolpace.kernels.judge.turning import EdgePieces
 
-    def turned(self, beam: _Beam | None) -> _Turned:
+        edges, shape = self.section.edges[self.band], self.motion.shape
+        high = np.diff(shape.at(edges.ravel())[1].reshape(-1, 2), axis=1)[:, 0]
+        count = np.maximum(np.ceil(abs(self.cutting.slope) * high / LAG).astype(np.int64), PIECES)
+        arc = np.repeat(np.arange(len(count)), count)
+        within = np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count)
+        width = ((edges[:, 1] - edges[:, 0]) / count)[arc]
+        middle = edges[arc, 0] + (within + 0.5) * width
+        radius, height, kappa = shape.at(middle)
+        normal = np.stack([np.sin(kappa), -np.cos(kappa)], axis=1)
+        of_edge = np.where(self.kappa[self.band] == 0.0, self.rubs, 1.0)[arc]
+        entry, immersion = self.arc[arc, 0], self.arc[arc, 1] - self.arc[arc, 0]
+        outwards, lag = self.motion.outward_terms(middle), self.cutting.slope * height
+        return EdgePieces(entry, immersion, outwards, lag, width, radius, normal, of_edge), height
+
+    def turned(self, beam: ToolBeam | None) -> _Turned:
         """All over a turn."""
-        teeth = len(self.cutting.pitch)
-        found = _Turned(self.cutting.steps, len(self.height))
-        for j, entry, leave in self.section.arcs:
-            pieces = self.pieces(j)
-            of_edge = self.rubs if self.kappa[j] == 0.0 else 1.0
-            for tooth in range(1 if self.cutting.alike else teeth):
-                self._add(found, pieces, (entry, leave), tooth, of_edge, beam)
-        return found.of_all(teeth) if self.cutting.alike else found
+        from toolpace.kernels.judge.turning import turned
 
-    def _add(
-        self, found: _Turned, pieces: _Pieces, arc: tuple[float, float], tooth: int, of_edge: float, beam: _Beam | None
-    ) -> None:
-        """Add what the pieces of a tooth take in an arc; of_edge: share of the force of the edge that counts."""
-        cutting, k, steps = self.cutting, self.cutting.coefficients or Coefficients(0.0, 0.0), len(found.torque)
-        theta = cutting.sense * 2.0 * math.pi * np.arange(steps) / steps
-        phi = theta[:, None] + cutting.offset[tooth] - cutting.slope * pieces.height
-        at, piece = np.nonzero((phi - arc[0]) % (2.0 * math.pi) < arc[1] - arc[0])
-        phi = phi[at, piece]
-        chip = self._chip(pieces, piece, phi, tooth)
-        cut = chip > 0.0
-        at, piece, phi, h = at[cut], piece[cut], phi[cut], chip[cut]
-        b, s, c = pieces.width[piece], pieces.sine[piece], pieces.cosine[piece]
-        tangential, radial, axial = (
-            (per_chip * h + of_edge * per_edge) * b
-            for per_chip, per_edge in (
-                (k.tangential, k.tangential_edge), (k.radial, k.radial_edge), (k.axial, k.axial_edge),
-            )
-        )  # fmt: skip
-        # the radial force pushes the edge away from material, the axial one up along the meridian
-        inwards = radial * s - axial * c
-        parts = (
-            -inwards * np.sin(phi) - cutting.sense * tangential * np.cos(phi),
-            -inwards * np.cos(phi) + cutting.sense * tangential * np.sin(phi),
-            -radial * c - axial * s,
-        )
-        for column, part in enumerate(parts):
-            found.force[:, column] += np.bincount(at, part, minlength=steps)
-        found.torque += np.bincount(at, tangential * pieces.radius[piece], minlength=steps)
-        found.area += np.bincount(at, h * b, minlength=steps)
-        found.edge += np.bincount(at, of_edge * b, minlength=steps)
-        if beam is None:
-            return
-        arm, lines = beam.length - pieces.height[piece], beam.lines(pieces.height)[:, piece]
-        for column in range(2):
-            found.moment[:, column] += np.bincount(at, parts[column] * arm, minlength=steps)
-            for w in range(len(lines)):
-                found.bent[:, w, column] += np.bincount(at, parts[column] * lines[w], minlength=steps)
+        pieces, height = self.pieces()
+        heights = np.concatenate([[0.0], self.height])
+        lines = np.zeros((len(heights), len(height))) if beam is None else beam.compliance(heights, height)
+        arm = np.zeros_like(height) if beam is None else beam.length - height
+        one = turned(pieces, self.cutting.teeth(), self.cutting.steps)
+        return _Turned(one, len(self.cutting.pitch) if self.cutting.alike else 1, lines, arm)
 
-    def _chip(self, pieces: _Pieces, piece: Ints, phi: Floats, tooth: int) -> Floats:
-        """(n,) thickness of the chip of a tooth [m]: what the surface gained since each of the others passed."""
-        cutting = self.cutting
-        outwards = self.motion.outwards(pieces.middle[piece], phi)
-        count, runout, lag = len(cutting.pitch), cutting.tool.runout, cutting.slope * pieces.height[piece]
-        own = runout * np.cos(-cutting.offset[tooth] + lag)
-        chip, gone = np.full(len(phi), np.inf), 0.0
-        for m in range(1, count + 1):
-            gone += float(cutting.pitch[(tooth + m - 1) % count]) / (2.0 * math.pi * cutting.turns)
-            other = runout * np.cos(-cutting.offset[(tooth + m) % count] + lag)
-            chip = np.minimum(chip, outwards * gone + (own - other) * pieces.sine[piece])
-            if runout == 0.0:
-                break
-        return chip
+    def left(self, turned: _Turned) -> tuple[Floats, Floats]:
+        """(k,) what deflection leaves on the surface at the places where the edge makes it, above zero too much [m],
+        and (k, 3) the normal there, from the tool outwards."""
+        found = list(self._left(turned))
+        band, angle, left = np.array(found).reshape(-1, 3).T
+        kappa = self.kappa[band.astype(np.int64)][:, None]
+        return left, np.sin(kappa) * self.motion.direction(angle) - np.cos(kappa) * self.motion.axis
 
-    def left(self, turned: _Turned) -> Floats:
-        """(k,) what deflection leaves on the surface at the places where the edge makes it, above zero too much [m]."""
-        return np.array(list(self._left(turned)))
-
-    def _left(self, turned: _Turned) -> Iterator[float]:
-        cutting = self.cutting
-        for j, entry, leave in self.section.arcs:
-            sine = math.sin(self.kappa[j])
-            steps = len(turned.torque)
-            for end in (entry, leave) if sine > 0.0 else ():
-                place = self._without_chip(self.middle[j], end)
-                if place is None or abs(place - end) > NEAR_SURFACE:
+    def _left(self, turned: _Turned) -> Iterator[tuple[int, float, float]]:
+        """Band, angle and what is left [m] of each."""
+        cutting, steps = self.cutting, len(turned.torque)
+        cosine, sine, whole = self.motion.outward_terms(self.middle).T
+        size = np.hypot(cosine, sine)
+        for j, (entry, leave) in zip(self.band.tolist(), self.arc.tolist()):
+            across = math.sin(self.kappa[j])
+            if across <= 0.0 or size[j] <= abs(whole[j]):
+                continue
+            middle, half = math.atan2(sine[j], cosine[j]), math.acos(-whole[j] / size[j])
+            for end in (entry, leave):
+                # where the surface does not move outwards the edge leaves it
+                off = [(middle + side * half - end + math.pi) % (2.0 * math.pi) - math.pi for side in (-1.0, 1.0)]
+                nearest = min(off, key=abs)
+                if abs(nearest) > NEAR_SURFACE:
                     continue
-                angle, off = min(max(place, entry), leave), []
-                for offset in cutting.offset.tolist():
-                    # the step at which the edge of this height is there
-                    step = cutting.sense * (angle + cutting.slope * self.height[j] - offset) / (2.0 * math.pi) * steps
-                    low = math.floor(step)
-                    ends = turned.bent[low % steps, 1 + j], turned.bent[(low + 1) % steps, 1 + j]
-                    bent = ends[0] + (step - low) * (ends[1] - ends[0])
-                    off.append(-sine * float(bent[0] * math.sin(angle) + bent[1] * math.cos(angle)))
+                angle = min(max(end + nearest, entry), leave)
+                # the steps at which the edges of this height are there
+                step = cutting.sense * (angle + cutting.slope * self.height[j] - cutting.offset) / (2.0 * math.pi)
+                low = np.floor(step * steps).astype(np.int64)
+                share = (step * steps - low)[:, None]
+                bent = (1.0 - share) * turned.bent(j, low) + share * turned.bent(j, low + 1)
                 # of several teeth the one that reaches furthest leaves it
-                yield min(off)
-
-    def _without_chip(self, length: float, end: float) -> float | None:
-        """The angle nearest to an end at which the surface does not move outwards; None where there is none near."""
-        angle = end + np.linspace(-2.0 * NEAR_SURFACE, 2.0 * NEAR_SURFACE, 81)
-        moves = self.motion.outwards(np.full(81, length), angle)
-        change = np.flatnonzero(moves[1:] * moves[:-1] <= 0.0)
-        if not len(change):
-            return None
-        k = int(change[np.abs(angle[change] - end).argmin()])
-        span = float(moves[k] - moves[k + 1])
-        return float(angle[k] + (angle[k + 1] - angle[k]) * (moves[k] / span if span else 0.0))
-
-
-class _Beam:
-    """A tool as a cantilever from its holder."""
-
-    def __init__(self, tool: ToolFigures, heights: Floats) -> None:
-        assert tool.stick_out is not None
-        self.length = tool.stick_out
-        self.at = np.concatenate([[0.0], heights])
-        flutes = min(tool.flute_length or tool.stick_out, tool.stick_out)
-        cone = math.tan(tool.taper) if tool.kind == "taper" else 0.0
-        edges = np.linspace(0.0, self.length, BEAM_STEPS + 1)
-        self.x, step = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        diameter = np.where(
-            self.x < flutes, FLUTES * (tool.diameter + 2.0 * self.x * cone), tool.shank_diameter or tool.diameter
-        )
-        begin = flutes
-        for part in tool.shank:
-            inside = (self.x >= begin) & (self.x < begin + part.length)
-            share = (self.x[inside] - begin) / part.length
-            diameter[inside] = part.lower_diameter + share * (part.upper_diameter - part.lower_diameter)
-            begin += part.length
-            diameter[self.x >= begin] = part.upper_diameter
-        self.holder_diameter = float(diameter[-1])
-        modulus = next((value for name, value in MODULI.items() if name in tool.material.lower()), MODULI["carbide"])
-        self.flexibility = step / (modulus * math.pi * diameter**4 / 64.0)
-
-    def lines(self, force: Floats) -> Floats:
-        """(heights, m) deflection at the tip and at the heights per force at heights (m,) [m/N]."""
-        beyond = np.maximum(self.x - force[:, None], 0.0)
-        there = np.maximum(self.x - self.at[:, None], 0.0)
-        return np.asarray((there * self.flexibility) @ beyond.T)
+                yield j, angle, float((-across * (bent @ [math.sin(angle), math.cos(angle)])).min())

@@ -11,30 +11,35 @@ import math
 from typing import NamedTuple
 
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.cutting.dexels import Field, depth_at
+from toolpace.kernels.cutting.dexels import UNKNOWN, Field, depth_at, depth_at_edge
+from toolpace.kernels.cutting.revolution import radius_at
+from toolpace.kernels.cutting.thickest_chip import (
+    FAR,
+    MOTION,
+    REACH,
+    TURNING,
+    motion_outward,
+    place_on,
+    thickest,
+)
 from toolpace.kernels.jit import jit
 
 TURN = 2.0 * math.pi
 HALVINGS = 7
-TIP, AXIS, FEED, LEFT, MOTION, TURNING = 0, 1, 2, 3, 4, 5
-"""Rows of a pose (6, 3): of the tool, and of the motion to it along left, feed and axis: of the tip, and the turning of
-the axis [rad] about left and feed. One array: a record of arrays costs time at each call."""
 LEAST_CHIP = 1e-3
 """Of the motion of the tip: where the surface moves outward by less, it slides."""
 LEAST_SAMPLES, MOST_SAMPLES = 12, 720
 """Of the part of a slice that moves outward."""
 APART = 2.0
 """Cells between two places that are looked at, at least: a contact that is narrower may not be seen."""
-FAR = 3.0
-"""Cells beyond which depths are cut off."""
 FULL = 1.0 - 1e-9
 """Share of the radius from which a cut reaches the side of the tool."""
+SLIM = 1e-6
+"""Angle [rad] within which an arc ends where the surface begins to move outward, or inward."""
+BESIDE = 0.1
+"""Cells beside an end of an arc at which it is looked whether an edge moves it."""
 SURE = 0.5
 """Share of a depth within which there is no border."""
-EDGE = 0.5
-"""Slices by which a corner is taken to be higher than it is seen: rays see an edge of the stock half a cell too low."""
-ABOVE = 1.5
-"""Slices above the last arc within which its ends are thought to meet."""
 
 
 class Slices(NamedTuple):
@@ -48,6 +53,8 @@ class Slices(NamedTuple):
     """Of the outward normal, along the axis."""
     next_radius: Floats
     """In the middle of the next slice."""
+    foot: Floats
+    """(4,) z, radius, across and along close above the tip: what is cut less deep than half a slice is seen there."""
     flat: float
     """Radius of the flat end; 0: none."""
     height: float
@@ -66,24 +73,8 @@ def depth_on(
     field: Field, pose: Floats, z: float, radius: float, phi: float, most: float, ahead: int
 ) -> tuple[float, int]:
     """Depth in material of a point of the tool, and the direction that counted; see `depth_at`."""
-    a, b = radius * math.cos(phi), radius * math.sin(phi)
-    return depth_at(
-        field,
-        pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0],
-        pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
-        pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
-        most,
-        ahead,
-    )
-
-
-@jit(inline=True)
-def motion_outward(pose: Floats, z: float, radius: float, across: float, along: float) -> tuple[float, float, float]:
-    """How far the surface of a slice moves outward: a constant, and what goes with cosine and sine of the angle."""
-    lever = z * across - radius * along
-    cosine = across * pose[MOTION, 0] - lever * pose[TURNING, 1]
-    sine = across * pose[MOTION, 1] + lever * pose[TURNING, 0]
-    return along * pose[MOTION, 2], cosine, sine
+    x, y, w = place_on(pose, z, radius, phi)
+    return depth_at(field, x, y, w, most, ahead)
 
 
 @jit()
@@ -102,9 +93,11 @@ def outward(pose: Floats, z: float, radius: float, across: float, along: float) 
 
 
 @jit()
-def farthest_outward(pose: Floats, slices: Slices, j: int, entry: float, leave: float) -> tuple[float, float]:
-    """The angle of an arc of slice j at which the surface moves outward the farthest, and how far."""
-    constant, cosine, sine = motion_outward(pose, slices.z[j], slices.radius[j], slices.across[j], slices.along[j])
+def farthest_outward(
+    pose: Floats, z: float, radius: float, across: float, along: float, entry: float, leave: float
+) -> tuple[float, float]:
+    """The angle of an arc of a slice at which the surface moves outward the farthest, and how far."""
+    constant, cosine, sine = motion_outward(pose, z, radius, across, along)
     crest = math.atan2(sine, cosine)
     crest += TURN * round((0.5 * (entry + leave) - crest) / TURN)
     phi = min(max(crest, entry), leave)
@@ -113,38 +106,18 @@ def farthest_outward(pose: Floats, slices: Slices, j: int, entry: float, leave: 
 
 @jit()
 def height_of_border(
-    field: Field, pose: Floats, slices: Slices, j: int, k: int, phi: float, most: float
+    field: Field, pieces: Floats, pose: Floats, inside: float, outside: float, phi: float, most: float
 ) -> float:
-    """The height between slice j, in material at an angle, and slice k beside it, not in it there, of the border."""
-    inside, outside, ahead = 0.0, 1.0, 0
+    """The height of the border, between one in material at an angle and one outside."""
+    ahead = 0
     for _ in range(HALVINGS):
-        share = 0.5 * (inside + outside)
-        z = slices.z[j] + share * (slices.z[k] - slices.z[j])
-        radius = slices.radius[j] + share * (slices.radius[k] - slices.radius[j])
-        depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
+        middle = 0.5 * (inside + outside)
+        depth, ahead = depth_on(field, pose, middle, radius_at(pieces, middle)[0], phi, most, ahead)
         if depth > 0.0:
-            inside = share
+            inside = middle
         else:
-            outside = share
-    height: float = slices.z[j] + 0.5 * (inside + outside) * (slices.z[k] - slices.z[j])
-    return height
-
-
-@jit()
-def outward_up_to_border(
-    field: Field, pose: Floats, slices: Slices, j: int, phi: float, far: float, most: float
-) -> float:
-    """How far the surface moves outward at an angle of slice j, or between it and one beside it, up to where material
-    ends: of a ball the thickest chip is at the upper border of its cut, which is seldom the middle of a slice."""
-    for k in range(max(j - 1, 0), min(j + 1, len(slices.z) - 1) + 1):
-        if k == j:
-            continue
-        beside = farthest_outward(pose, slices, k, phi, phi)[1]
-        if beside > far:
-            border = height_of_border(field, pose, slices, j, k, phi, most)
-            here = farthest_outward(pose, slices, j, phi, phi)[1]
-            far = max(far, here + (border - slices.z[j]) / (slices.z[k] - slices.z[j]) * (beside - here))
-    return far
+            outside = middle
+    return 0.5 * (inside + outside)
 
 
 @jit()
@@ -164,15 +137,14 @@ def border(
 
 @jit()
 def slice_arcs(
-    field: Field, pose: Floats, slices: Slices, j: int, arcs: Arcs, count: int, cell: float, least: float
-) -> tuple[int, float]:
-    """Write the arcs of a slice behind the first `count`: how many there are then, and the angle of the deepest place
-    (nan: there is none). Arcs nowhere deeper than `least` are left out."""
-    z, radius = slices.z[j], slices.radius[j]
-    begin, end = outward(pose, z, radius, slices.across[j], slices.along[j])
-    best, deepest = math.nan, least
+    field: Field, pose: Floats, z: float, radius: float, across: float, along: float, j: int, arcs: Arcs, count: int,
+    cell: float, least: float,
+) -> int:
+    """Write the arcs of slice j, seen at a height, behind the first `count`: how many there are then. Arcs nowhere
+    deeper than `least` are left out."""
+    begin, end = outward(pose, z, radius, across, along)
     if end <= begin:
-        return count, best
+        return count
     shortest = min(max(APART * cell / max(radius, cell), (end - begin) / MOST_SAMPLES), (end - begin) / LEAST_SAMPLES)
     whole, most = end - begin >= TURN, FAR * cell
     first = count
@@ -180,8 +152,6 @@ def slice_arcs(
     phi, ahead = begin + 0.5 * shortest, 0
     while phi < end:
         depth, ahead = depth_on(field, pose, z, radius, phi, most, ahead)
-        if depth > deepest:
-            best, deepest = phi, depth
         if depth > 0.0:
             if math.isnan(entry):
                 entry = begin if before == begin else border(field, pose, z, radius, phi, before, most, ahead)
@@ -208,7 +178,65 @@ def slice_arcs(
         turns = math.floor(arcs.entry[k] / TURN + 1e-12) * TURN
         arcs.entry[k] = max(arcs.entry[k] - turns, 0.0)
         arcs.exit[k] = min(arcs.exit[k] - turns, arcs.entry[k] + TURN)
-    return count, best
+    return count
+
+
+@jit()
+def end_at_edge(
+    field: Field, pose: Floats, z: float, radius: float, end: float, outwards: float, most: float, cell: float,
+    room: Floats,
+) -> float:
+    """Where an arc ends that ends at an angle by straight lines between rays: at an edge of the stock up to a cell
+    further out or in.
+
+    outwards: 1 or -1, the sense in which it leaves material; most: angle by which it may be moved.
+    """
+    for side in (outwards, -outwards):
+        # further out an edge holds material, further in it holds none
+        low, high = (0.0, UNKNOWN) if side == outwards else (-UNKNOWN, 0.0)
+        near, far = 0.0, most
+        share = min(BESIDE * cell / (max(radius, cell) * most), 1.0)
+        for _ in range(HALVINGS):
+            middle = near + share * (far - near)
+            x, y, w = place_on(pose, z, radius, end + side * middle)
+            if low < depth_at_edge(field, x, y, w, REACH * cell, room) < high:
+                near = middle
+            elif near == 0.0:
+                break
+            else:
+                far = middle
+            share = 0.5
+        if near > 0.0:
+            return end + side * 0.5 * (near + far)
+    return end
+
+
+@jit()
+def ends_at_edges(
+    field: Field, pose: Floats, z: float, radius: float, across: float, along: float, arcs: Arcs, first: int,
+    count: int, cell: float, room: Floats,
+) -> None:
+    """Move the ends of the arcs of a slice to edges of the stock, up to a cell and as far as the surface moves outward:
+    of the lowest and the highest slice, which are close to edges that go around the tool."""
+    begin, end = outward(pose, z, radius, across, along)
+    for k in range(first, count):
+        width = arcs.exit[k] - arcs.entry[k]
+        if width >= TURN - SLIM:
+            continue
+        most = min(cell / max(radius, cell), 0.25 * width)
+        before, behind = (arcs.entry[k] - begin) % TURN, (end - arcs.exit[k]) % TURN
+        if k > first:
+            before = min(before, (arcs.entry[k] - arcs.exit[k - 1]) % TURN)
+        if k + 1 < count:
+            behind = min(behind, (arcs.entry[k + 1] - arcs.exit[k]) % TURN)
+        if SLIM < before < TURN - SLIM:
+            arcs.entry[k] = end_at_edge(
+                field, pose, z, radius, arcs.entry[k], -1.0, min(most, before), cell, room
+            )
+        if SLIM < behind < TURN - SLIM:
+            arcs.exit[k] = end_at_edge(field, pose, z, radius, arcs.exit[k], 1.0, min(most, behind), cell, room)
+        turns = math.floor(arcs.entry[k] / TURN) * TURN
+        arcs.entry[k], arcs.exit[k] = arcs.entry[k] - turns, arcs.exit[k] - turns
 
 
 @jit()
@@ -240,135 +268,72 @@ def flat_contact(
 
 
 @jit()
-def arc_holding(arcs: Arcs, first: int, count: int, j: int, phi: float) -> int:
-    """The arc of slice j that holds an angle, from the first of a pose; -1: there is none."""
-    for k in range(first, count):
-        if arcs.slice[k] == j and (phi - arcs.entry[k]) % TURN <= arcs.exit[k] - arcs.entry[k]:
-            return k
-    return -1
-
-
-@jit()
-def end_near(arcs: Arcs, k: int, is_entry: bool, phi: float) -> float:
-    """Where an arc begins or ends, in the turn that is the nearest to an angle."""
-    end = arcs.entry[k] if is_entry else arcs.exit[k]
-    nearest: float = end + TURN * round((phi - end) / TURN)
-    return nearest
-
-
-@jit()
-def outward_at_corner(
-    field: Field, pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, top: int, most: float
-) -> float:
-    """How far the surface moves outward where an end of the uppermost arc, continued, meets the upper border of the
-    cut; 0 where they do not meet near.
-
-    At an edge of the stock, where one surface ends at another, the thickest chip of a ball is in that corner. The end
-    is continued from the arc below, the upper border from two places within the arc.
-    """
-    j, far, width = arcs.slice[top], 0.0, arcs.exit[top] - arcs.entry[top]
-    middle = 0.5 * (arcs.entry[top] + arcs.exit[top])
-    below = arc_holding(arcs, first, count, j - 1, middle)
-    if below < 0 or j + 1 == len(slices.z) or arc_holding(arcs, first, count, j + 1, middle) >= 0:
-        return far
-    for is_entry in (True, False):
-        end = arcs.entry[top] if is_entry else arcs.exit[top]
-        lean = end - end_near(arcs, below, is_entry, end)
-        inward = 0.25 * width if is_entry else -0.25 * width
-        near = (height_of_border(field, pose, slices, j, j + 1, end + inward, most) - slices.z[j]) / slices.height
-        away = (height_of_border(field, pose, slices, j, j + 1, end + 2.0 * inward, most) - slices.z[j]) / slices.height
-        rise = (away - near) / inward
-        meets = 1.0 - rise * lean
-        if meets <= 0.0:
-            continue
-        x = (near - rise * inward) / meets
-        if 0.0 <= x <= ABOVE:
-            x += EDGE
-            phi = end + x * lean
-            here = farthest_outward(pose, slices, j, phi, phi)[1]
-            far = max(far, here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here))
-    return far
-
-
-@jit()
-def outward_at_bend(pose: Floats, slices: Slices, arcs: Arcs, first: int, count: int, low: int) -> float:
-    """How far the surface moves outward where an end of an arc and that of the arc above it are on two borders that
-    meet between both; 0 where they do not.
-
-    Each border is continued straight: from the arc below this one, and from the one above the next.
-    """
-    j, far = arcs.slice[low], 0.0
-    below = arc_holding(arcs, first, count, j - 1, 0.5 * (arcs.entry[low] + arcs.exit[low]))
-    if below < 0:
-        return far
-    for high in range(first, count):
-        middle = 0.5 * (arcs.entry[high] + arcs.exit[high])
-        if arcs.slice[high] != j + 1 or arc_holding(arcs, first, count, j, middle) != low:
-            continue
-        for above in range(first, count):
-            middle = 0.5 * (arcs.entry[above] + arcs.exit[above])
-            if arcs.slice[above] != j + 2 or arc_holding(arcs, first, count, j + 1, middle) != high:
-                continue
-            for is_entry in (True, False):
-                end = arcs.entry[low] if is_entry else arcs.exit[low]
-                rises = end - end_near(arcs, below, is_entry, end)
-                upper = end_near(arcs, high, is_entry, end)
-                falls = upper - end_near(arcs, above, is_entry, end)
-                x = (upper + falls - end) / (rises + falls) if rises + falls != 0.0 else -1.0
-                if 0.0 <= x <= 1.0:
-                    phi = end + x * rises
-                    here = farthest_outward(pose, slices, j, phi, phi)[1]
-                    far = max(far, here + x * (farthest_outward(pose, slices, j + 1, phi, phi)[1] - here))
-    return far
-
-
-@jit()
 def contact(
-    field: Field, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int, cell: float,
-    least: float,
-) -> tuple[int, float, float, float, float]:
-    """Write the arcs of a pose between two heights: how many there are then; width, depth, share of the flat end, and
-    how far its surface moves outward in material at most, over the way of the tip."""
+    field: Field, pieces: Floats, pose: Floats, slices: Slices, low: float, high: float, arcs: Arcs, count: int,
+    cell: float, least: float, room: Floats,
+) -> tuple[int, float, float, float, float, float]:
+    """Write the arcs of a pose between two heights: how many there are then; width, depth, upper end of the cut, share
+    of the flat end, and how far its surface moves outward in material at most, over the way of the tip."""
     last, most = len(slices.z) - 1, FAR * cell
     lowest, highest = -1, -1
-    low_phi, high_phi = 0.0, 0.0
+    low_phi, high_phi, low_z, high_z = 0.0, 0.0, 0.0, 0.0
     # of the highest slice so far: width in its middle, and by how much it is wider in the middle of the next one
     width, middle, growth = 0.0, 0.0, 0.0
-    # where the surface moves outward the farthest
-    farthest, steepest, steepest_phi, begin = 0.0, -1, 0.0, count
+    # where the surface moves outward the farthest: how far, angle, height and arc
+    farthest, farthest_phi, farthest_z, steepest = 0.0, 0.0, 0.0, -1
+    lowest_count, of_highest = count, count
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
-        count, phi = slice_arcs(field, pose, slices, j, arcs, count, cell, least)
+        z, radius, across, along = slices.z[j], slices.radius[j], slices.across[j], slices.along[j]
+        count = slice_arcs(field, pose, z, radius, across, along, j, arcs, count, cell, least)
+        if j == 0 and count == first:
+            z, radius, across, along = slices.foot[0], slices.foot[1], slices.foot[2], slices.foot[3]
+            count = slice_arcs(field, pose, z, radius, across, along, j, arcs, count, cell, least)
         if count > first:
             if lowest < 0:
-                lowest, low_phi = j, phi
-            highest, high_phi = j, phi
-            left, right = -2.0, 2.0
+                ends_at_edges(field, pose, z, radius, across, along, arcs, first, count, cell, room)
+                lowest_count = count
+            left, right, longest, phi = -2.0, 2.0, -1.0, 0.0
             for k in range(first, count):
                 a, b = arcs.entry[k], arcs.exit[k]
+                if b - a > longest:
+                    # there rays see one surface above and below: ends of arcs may be at edges
+                    longest, phi = b - a, 0.5 * (a + b)
                 left, right = max(left, math.cos(a), math.cos(b)), min(right, math.cos(a), math.cos(b))
                 if a <= math.pi <= b or b >= 3.0 * math.pi:
                     right = -1.0
                 if b >= TURN:
                     left = 1.0
-                angle, far = farthest_outward(pose, slices, j, a, b)
+                angle, far = farthest_outward(pose, z, radius, across, along, a, b)
                 if far > farthest:
-                    farthest, steepest, steepest_phi = far, k, angle
-            middle = slices.radius[j] * (left - right)
+                    farthest, farthest_phi, farthest_z, steepest = far, angle, z, k
+            if lowest < 0:
+                lowest, low_phi, low_z = j, phi, z
+            highest, high_phi, high_z, of_highest = j, phi, z, first
+            middle = radius * (left - right)
             width = max(width, middle)
             # where it reaches the side of the tool, it grows with the tool
             sides = (1.0 if left > FULL else 0.0) + (1.0 if right < -FULL else 0.0)
             growth = max(slices.next_radius[j] - slices.radius[j], 0.0) * sides
-    depth = 0.0
+    depth, top = 0.0, 0.0
+    if of_highest >= lowest_count:
+        z, radius, across = slices.z[highest], slices.radius[highest], slices.across[highest]
+        along = slices.along[highest]
+        ends_at_edges(field, pose, z, radius, across, along, arcs, of_highest, count, cell, room)
+        for k in range(of_highest, count):
+            angle, far = farthest_outward(pose, z, radius, across, along, arcs.entry[k], arcs.exit[k])
+            if far > farthest or k == steepest:
+                farthest, farthest_phi, farthest_z, steepest = far, angle, z, k
     if lowest >= 0:
-        low, high = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
+        low, top = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
         if lowest > 0:
-            low = height_of_border(field, pose, slices, lowest, lowest - 1, low_phi, most)
-        if highest < last:
-            high = height_of_border(field, pose, slices, highest, highest + 1, high_phi, most)
-        depth = high - low
-        share = (high - slices.z[highest]) / slices.height
+            low = height_of_border(field, pieces, pose, low_z, slices.z[lowest - 1], low_phi, most)
+        if high_z < slices.z[highest] or highest < last:
+            outside = slices.z[highest + 1] if high_z == slices.z[highest] else slices.z[highest]
+            top = height_of_border(field, pieces, pose, high_z, outside, high_phi, most)
+        depth = top - low
+        share = (top - slices.z[highest]) / slices.height
         width = max(width, middle + growth * min(max(share, 0.0), 1.0))
     flat = 0.0
     if slices.flat > 0.0:
@@ -376,14 +341,11 @@ def contact(
         width = max(width, left - right)
     step = math.sqrt(pose[MOTION, 0] ** 2 + pose[MOTION, 1] ** 2 + pose[MOTION, 2] ** 2)
     if steepest < 0 or step == 0.0:
-        return count, width, depth, flat, 0.0
-    j = arcs.slice[steepest]
-    farthest = outward_up_to_border(field, pose, slices, j, steepest_phi, farthest, most)
-    # only where the tool widens upwards more is taken there
-    if j > 1 and slices.across[j - 1] < slices.across[j]:
-        farthest = max(farthest, outward_at_corner(field, pose, slices, arcs, begin, count, steepest, most))
-        farthest = max(farthest, outward_at_bend(pose, slices, arcs, begin, count, steepest))
-        lower = arc_holding(arcs, begin, count, j - 1, 0.5 * (arcs.entry[steepest] + arcs.exit[steepest]))
-        if lower >= 0:
-            farthest = max(farthest, outward_at_bend(pose, slices, arcs, begin, count, lower))
-    return count, width, depth, flat, farthest / step
+        return count, width, depth, top, flat, 0.0
+    arc = arcs.entry[steepest], arcs.exit[steepest]
+    # angles of an arc are within one turn
+    farthest_phi += TURN * round((0.5 * (arc[0] + arc[1]) - farthest_phi) / TURN)
+    farthest = thickest(
+        field, pieces, pose, farthest_z, slices.height, arc, farthest_phi, farthest, cell, room
+    )
+    return count, width, depth, top, flat, farthest / step

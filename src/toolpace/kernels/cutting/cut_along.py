@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.cutting.contact import AXIS, FEED, LEFT, MOTION, TIP, TURNING, Arcs, Slices, contact
+from toolpace.kernels.cutting.contact import Arcs, Slices, contact
 from toolpace.kernels.cutting.dexels import FREE_COUNT, Field
 from toolpace.kernels.cutting.intrusion import Blocks, deepest
 from toolpace.kernels.cutting.removal import cut_at, widest_of
+from toolpace.kernels.cutting.thickest_chip import AXIS, FEED, LEFT, MOTION, TIP, TURNING
 from toolpace.kernels.jit import jit
 
 LAG = 2.0
@@ -50,6 +51,7 @@ class Found(NamedTuple):
     """(n, 2) of what is above the edge, by part."""
     width: Floats
     depth: Floats
+    top: Floats
     flat: Floats
     chip_share: Floats
     """(n,) of the way of the tip, by which the surface moves outward in material at most."""
@@ -128,7 +130,7 @@ def cut_along(
 
     Returns False where room for arcs or free nodes run out. Poses are cut once the motion is `LAG` cells further.
     """
-    pose = np.empty((6, 3))
+    pose, space = np.empty((6, 3)), np.empty((2, 6))
     room = 64 * len(slices.z)
     while progress[AT] < until:
         k = progress[AT]
@@ -144,8 +146,8 @@ def cut_along(
             if k > 0 and low <= high:
                 pose_at(poses, k, found.feed[i], pose)
                 (
-                    progress[ARCS], found.width[i], found.depth[i], found.flat[i], found.chip_share[i]
-                ) = contact(field, pose, slices, low, high, arcs, progress[ARCS], cell, least)
+                    progress[ARCS], found.width[i], found.depth[i], found.top[i], found.flat[i], found.chip_share[i]
+                ) = contact(field, pieces, pose, slices, low, high, arcs, progress[ARCS], cell, least, space)
             found.last_arc[i] = progress[ARCS]
         progress[AT] += 1
     while until == len(poses.travel) and progress[CUT] < until:

@@ -18,6 +18,11 @@ from toolpace.kernels.jit import jit
 
 FREE, FREE_COUNT = 0, 1
 """Places of `Field.pool`."""
+STEEPEST = 1.5
+"""Cells by which the ends of two neighbouring rays differ at most where both are on one surface: any surface is flatter
+than that as one of three directions sees it."""
+UNKNOWN = 1e9
+"""Depth [m] where rays do not tell one."""
 
 
 class Field(NamedTuple):
@@ -216,6 +221,64 @@ def depth_at(field: Field, x: float, y: float, z: float, most: float, ahead: int
                 if spread <= field.step[u]:
                     break
     return best * steep, which
+
+
+@jit(inline=True)
+def continued(near: float, second: float, third: float, share: float, jump: float) -> float:
+    """A depth beyond the nearest of three in a row, as far as they are of one surface; UNKNOWN of one alone."""
+    if abs(near - second) > jump:
+        return UNKNOWN
+    slope = near - second
+    bend = slope - (second - third) if abs(second - third) <= jump else 0.0
+    return near + share * (slope + 0.5 * (1.0 + share) * bend)
+
+
+@jit(inline=True)
+def about_kink(row: Floats, share: float, jump: float) -> float:
+    """A depth between the middle two of six in a row: that of the surfaces on both sides, continued to where they meet,
+    where that is more than a straight line tells; past a jump, that of the nearer one, if the other is air."""
+    b, c = row[2], row[3]
+    left, right = continued(b, row[1], row[0], share, jump), continued(c, row[4], row[5], 1.0 - share, jump)
+    if b - c > jump:
+        return left if abs(b) < abs(c) else UNKNOWN
+    if c - b > jump:
+        return right if abs(c) <= abs(b) else UNKNOWN
+    between = b + (c - b) * share
+    return max(between, min(left, right)) if max(left, right) < UNKNOWN else between
+
+
+@jit()
+def depth_at_edge(field: Field, x: float, y: float, z: float, most: float, room: Floats) -> float:
+    """Depth of a point in material where two surfaces meet at an edge that stands out; UNKNOWN at the foot of a wall.
+
+    Linear interpolation rounds edges off by up to half a cell. So in each direction the surfaces are continued from
+    the rays beyond the four about the point (Harten, ENO schemes with subcell resolution, Journal of Computational
+    Physics 83 (1989)). The point is in material where it is behind all surfaces: the least of the depths along the rays
+    counts, of directions whose rays come to an end near. `room`: (2, 6) to work in.
+    """
+    at = (x, y, z)
+    row, rows = room[0], room[1]
+    least, sure = UNKNOWN, 0.999 * most
+    for d in range(3):
+        u, v = (d + 1) % 3, (d + 2) % 3
+        jump = STEEPEST * field.step[d]
+        fu = (at[u] - field.origin[u]) / field.step[u] - 0.5
+        fv = (at[v] - field.origin[v]) / field.step[v] - 0.5
+        iu, iv = math.floor(fu), math.floor(fv)
+        for k in range(6):
+            j = iv + k - 2
+            if 0 <= j < field.cells[v]:
+                first = field.first[d] + j * field.cells[u]
+                for m in range(6):
+                    i = iu + m - 2
+                    row[m] = depth_on_ray(field, first + i, at[d], most) if 0 <= i < field.cells[u] else -most
+                rows[k] = about_kink(row, fu - iu, jump)
+            else:
+                rows[k] = -most
+        depth = about_kink(rows, fv - iv, jump)
+        if abs(depth) < sure:
+            least = min(least, depth)
+    return least
 
 
 @jit()

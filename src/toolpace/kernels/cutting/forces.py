@@ -97,6 +97,8 @@ class Arcs(NamedTuple):
     slice: Ints
     entry: Floats
     exit: Floats
+    share: Floats
+    """Of the height of its slice that is in material, of each arc."""
     bottom: Floats
 
 
@@ -315,9 +317,9 @@ def add_chip(
 
 
 @jit()
-def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc: tuple[float, float], scale: float,
-              origin: float, chip: Floats, reach: Floats) -> float:  # fmt: skip
-    """Add a point, of all teeth, that is in material in an arc (entry, exit); the thickness of its chip.
+def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc: tuple[float, float], share: float,
+              scale: float, origin: float, chip: Floats, reach: Floats) -> float:  # fmt: skip
+    """Add a share of a point, of all teeth, that is in material in an arc (entry, exit); the thickness of its chip.
 
     Of the chips that each tooth ahead would leave the thinnest is cut: over the thickness h of an even chip they are
     lines, of which the lowest is followed from where all are above nothing.
@@ -350,6 +352,7 @@ def add_point(work: Work, edge: Edge, p: int, teeth: Teeth, motion: Floats, arc:
                 if cross > h:
                     upto = min(upto, cross)
             terms_of_point(work.point, edge, p, teeth, chip, shift, teeth.share[tooth, lowest], reach[lowest], scale)
+            work.point[:] *= share
             # from the crest of the chip outwards its thickness falls from `upto` to h
             outer = half_width(chip[3], h + chip[2]) if h > least else math.pi
             inner = half_width(chip[3], upto + chip[2]) if upto < most else 0.0
@@ -373,14 +376,14 @@ def turn_of(work: Work, edge: Edge, teeth: Teeth, arcs: Arcs, i: int, motion: Fl
     for a in range(arcs.first[i], arcs.first[i + 1]):
         if arcs.slice[a] < flat:
             for p in range(edge.first[arcs.slice[a]], edge.first[arcs.slice[a] + 1]):
-                arc = arcs.entry[a], arcs.exit[a]
-                thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, 1.0, origin, chip, reach))
+                arc, share = (arcs.entry[a], arcs.exit[a]), arcs.share[a]
+                thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, share, 1.0, origin, chip, reach))
     if arcs.bottom[i] > 0.0 and motion[1] < 0.0:
         # that part of the flat end is taken as a sector ahead
         arc = 0.5 * math.pi - math.pi * arcs.bottom[i], 0.5 * math.pi + math.pi * arcs.bottom[i]
         scale = min(1.0, (motion[1] / (RAMP * math.hypot(motion[0], motion[1]))) ** 2)
         for p in range(edge.first[flat], edge.first[flat + 1]):
-            thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, scale, origin, chip, reach))
+            thickest = max(thickest, add_point(work, edge, p, teeth, motion, arc, 1.0, scale, origin, chip, reach))
     alike = teeth.share.shape[1] == 1
     work.mean[:] *= len(teeth.angle) / TURN if alike else 1.0 / TURN
     running = work.carried

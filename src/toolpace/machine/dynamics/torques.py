@@ -6,6 +6,8 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +16,8 @@ from toolpace.common.arrays import Floats, numbers
 from toolpace.common.errors import MachineError, UsageError
 from toolpace.machine.dynamics import Dynamics, TorqueTerms
 from toolpace.machine.file import MachineFile
-from toolpace.machine.limits import MOTORS
+from toolpace.machine.limit_curves import LimitCurve
+from toolpace.machine.limits import CONTINUOUS, MOTORS
 from toolpace.machine.rows import Rows
 
 ROUNDING = 1e-6
@@ -23,16 +26,57 @@ Torque = Callable[[Floats, Floats, Floats], npt.ArrayLike]
 """Torques (n, joints) at positions, velocities and accelerations (n, joints) of the joints."""
 
 
+@dataclass(frozen=True)
+class ContinuousRating:
+    """The torque that a motor bears without end: the limit of the root mean square over any window of time."""
+
+    torque: float
+    """[N m, N]"""
+    window: float = math.inf
+    """[s]; a motion that is shorter counts as a whole, as if it were repeated."""
+
+    def share(self, length: Floats, torque: Floats) -> float:
+        """The largest root mean square over the rating, of torques (n,) for times (n,) [s] each."""
+        t, heat = (np.concatenate([[0.0], np.cumsum(part)]) for part in (length, length * torque**2))
+        window = min(self.window, float(t[-1]))
+        if not window > 0.0:
+            return 0.0
+        begin = np.clip(np.concatenate([t, t - window]), 0.0, t[-1] - window)
+        mean = (np.interp(begin + window, t, heat) - np.interp(begin, t, heat)) / window
+        return math.sqrt(max(float(mean.max()), 0.0)) / self.torque
+
+
 @dataclass(frozen=True, repr=False)
 class JointTorque(Rows):
     """The limit on the torque or force of one joint, as a row of acceleration: weight and friction are taken off it."""
 
     terms: _JointTerms | None = None
+    curve: LimitCurve | None = None
+    """The limit over the speed of the joint [m/s or rad/s; N m, N]."""
+    rating: ContinuousRating | None = None
 
     @classmethod
-    def of(cls, terms: _JointTerms, name: str, unit: str, limit: float) -> JointTorque:
+    def of(
+        cls, terms: _JointTerms, name: str, unit: str, curve: LimitCurve, rating: ContinuousRating | None = None
+    ) -> JointTorque:
         """That of a joint of dynamics that are shared by all joints [N m, N]."""
-        return cls(name, unit, limit, terms, lines=_Room(terms, limit), terms=terms)
+        room = _Room(terms, curve)
+        pieces = len(room.of_motor)
+        return cls(name, unit, curve.largest, terms, lines=room, pieces=pieces, terms=terms, curve=curve, rating=rating)
+
+    def eased(self, share: float) -> Rows:
+        """The row of a share of what weight and friction leave, by which a plan keeps the continuous rating."""
+        assert isinstance(self.lines, _Room)
+        lines, limit = _Share(self.lines, share), self.limit * share
+        return Rows(CONTINUOUS + self.name, self.unit, limit, self.function, lines=lines, pieces=self.pieces)
+
+    def parts(self, q: Floats, state: Floats) -> Floats:
+        """(3, n) the torque at the joints q (4, n, joints) and states (4, n) of s [N m, N]: what falls with the square
+        of the speed, viscous friction, and weight, dry friction and balance."""
+        assert self.terms is not None
+        slope, square, linear, constant = self.terms.at(q)
+        _, v, a, _ = state
+        return np.stack([slope * 2.0 * a + square * v * v, linear * v, constant])
 
     def ratio(self, q: Floats, state: Floats) -> Floats:
         """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
@@ -40,10 +84,9 @@ class JointTorque(Rows):
         Above 1 it is how much more the motion asks for than weight and friction leave, where that is more: by so much
         it must be slower.
         """
-        assert self.terms is not None
-        slope, square, linear, constant = self.terms.at(q)
-        _, v, a, _ = state
-        share: Floats = np.abs(slope * 2.0 * a + square * v * v + linear * v + constant) / self.limit
+        assert self.terms is not None and self.curve is not None
+        square, viscous, constant = self.parts(q, state)
+        share: Floats = np.abs(square + viscous + constant) / self.curve.at(q[1, :, self.terms.joint] * state[1])
         over = share > 1.0
         if over.any():
             share[over] = np.maximum(share[over], super().ratio(np.ascontiguousarray(q[:, over]), state[:, over]))
@@ -51,15 +94,26 @@ class JointTorque(Rows):
 
 
 def torque_rows(
-    dynamics: Dynamics | Torque, most: npt.ArrayLike, joints: Sequence[str], linear: Sequence[bool] | None = None
+    dynamics: Dynamics | Torque,
+    most: npt.ArrayLike | Sequence[float | LimitCurve],
+    joints: Sequence[str],
+    linear: Sequence[bool] | None = None,
+    *,
+    continuous: npt.ArrayLike | None = None,
+    window: npt.ArrayLike = math.inf,
 ) -> tuple[Rows, ...]:
     """Limits on the torques of joints, as `plan(..., rows=...)` takes them, by the names "torque A" and "force X".
 
     `dynamics` is a `Dynamics`, or a function of one's own: torques (n, m) [N m, N] at positions, velocities and
     accelerations (n, m) of the joints, quadratic in the velocities but for dry and viscous friction. `most` (m,) is the
-    largest torque of each, without sign, inf where none is held; `linear` (m,) says which joints have a force (default:
-    as the links of `dynamics` are). Raises UsageError.
+    largest torque of each, without sign, inf where none is held, or a `LimitCurve` over the speed of the joint [rad/s,
+    m/s]; `linear` (m,) says which joints have a force (default: as the links of `dynamics` are). `continuous` (m,) is
+    the largest root mean square of each over any `window` (m,) [s], of a motion that is shorter over all of it; inf
+    where none is held. Raises UsageError.
     """
+    curves = {k: each for k, each in enumerate(_each(most, len(joints))) if isinstance(each, LimitCurve)}
+    if curves:
+        most = [each.largest if isinstance(each, LimitCurve) else each for each in _each(most, len(joints))]
     limit = np.broadcast_to(numbers(most, "torques: most", (len(joints),), (), finite=False), len(joints))
     if linear is None:
         linear = [each.kind == "linear" for each in getattr(dynamics, "links", ())] or [False] * len(joints)
@@ -68,18 +122,47 @@ def torque_rows(
     for name, figure in zip(joints, limit):
         if not figure > 0.0:
             raise UsageError(f"torques: that of joint {name} is {figure:g}; give a positive number (or inf)")
+    ratings = _ratings(continuous, window, joints, limit)
     shared = _Shared(dynamics if isinstance(dynamics, Dynamics) else _Fitted(dynamics))
     rows = []
     for k in np.flatnonzero(np.isfinite(limit)).tolist():
         kind, unit = (MOTORS[0], "N") if linear[k] else (MOTORS[1], "N m")
-        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, float(limit[k])))
+        curve = curves.get(k) or LimitCurve([[0.0, limit[k]]])
+        rows.append(JointTorque.of(_JointTerms(shared, k), f"{kind} {joints[k]}", unit, curve, ratings[k]))
     return tuple(rows)
+
+
+def _ratings(
+    continuous: npt.ArrayLike | None, window: npt.ArrayLike, joints: Sequence[str], limit: Floats
+) -> list[ContinuousRating | None]:
+    """The continuous rating of each joint."""
+    if continuous is None:
+        return [None] * len(joints)
+    most, span = (
+        np.broadcast_to(numbers(each, f"torques: {name}", (len(joints),), (), finite=False), len(joints))
+        for name, each in (("continuous", continuous), ("window", window))
+    )
+    for joint, figure, time, peak in zip(joints, most, span, limit):
+        what = f"torques: joint {joint} has {figure:g} continuously"
+        if not (figure > 0.0 and time > 0.0):
+            raise UsageError(f"{what} over {time:g} s; give positive numbers")
+        if peak < figure < math.inf:
+            raise UsageError(f"{what}, above its largest, {peak:g}; give a larger one in `most`, or less")
+        if figure < math.inf == peak:
+            raise UsageError(f"{what}, and no largest; give it in `most`")
+    rated = zip(most.tolist(), span.tolist())
+    return [ContinuousRating(figure, time) if figure < math.inf else None for figure, time in rated]
+
+
+def _each(most: object, count: int) -> list[Any]:
+    """What stands for each joint."""
+    return list(most) if isinstance(most, Sequence | np.ndarray) and np.ndim(most) else [most] * count
 
 
 def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
     """The limits on torques and forces that a machine file names; none where it names none. Raises MachineError."""
     joints = file.joints
-    limited = {name for name, joint in joints.items() if math.isfinite(joint.most_torque)}
+    limited = {name for name, joint in joints.items() if joint.motor is not None}
     if not limited:
         return ()
     dynamics = Dynamics.of_machine(file)
@@ -88,7 +171,10 @@ def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
         moves = link.rotor_inertia or any(each.mass or any(each.inertia) for each in carried)
         if name in limited and not moves:
             raise MachineError(f"{source}: joint {name} has a limit of torque or force, and moves no mass; give mass")
-    return torque_rows(dynamics, [joint.most_torque for joint in joints.values()], list(joints))
+    motors = [joint.motor or math.inf for joint in joints.values()]
+    continuous = [joint.continuous or math.inf for joint in joints.values()]
+    windows = [joint.thermal_window for joint in joints.values()]
+    return torque_rows(dynamics, motors, list(joints), continuous=continuous, window=windows)
 
 
 @dataclass(frozen=True)
@@ -113,21 +199,44 @@ class _Room:
     """What weight and friction leave of a joint's limit, as lines of rows over ds/dt."""
 
     terms: _JointTerms
-    limit: float
+    curve: LimitCurve
+
+    @cached_property
+    def of_motor(self) -> Floats:
+        """(pieces, choices, 2) of the motor's curve: height at rest, and fall with the speed of the joint."""
+        return self.curve.lines(math.inf, math.inf)
 
     def __call__(self, q: Floats) -> tuple[Floats, Floats]:
-        """(n, 1, 1, 2) above and below zero: height at rest, and fall with ds/dt. Raises UsageError without room."""
+        """(n, 1, pieces, choices, 2) above and below zero: height at rest, and fall with ds/dt.
+
+        Raises UsageError where there is no room at rest.
+        """
         _, _, linear, constant = self.terms.at(q)
-        if not (np.abs(constant) < self.limit).all():
+        if not (np.abs(constant) < self.curve.largest).all():
             at = int(np.argmax(np.abs(constant)))
             raise UsageError(
                 f"torque of joint {self.terms.joint + 1}: weight and friction take {abs(constant[at]):.6g} of "
-                f"{self.limit:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger motor, or a "
-                "weight balance"
+                f"{self.curve.largest:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger "
+                "motor, or a weight balance"
             )
-        lines = np.stack([np.stack([self.limit - constant, linear], 1), np.stack([self.limit + constant, -linear], 1)])
-        above, below = lines[:, :, None, None]
-        return above, below
+        speed = np.abs(q[1, :, self.terms.joint])
+        motor = self.of_motor * np.stack([np.ones_like(speed), speed], axis=1)[:, None, None]
+        taken = np.stack([constant, -linear], axis=1)[:, None, None]
+        above, below = motor - taken, motor + taken
+        return above[:, None], below[:, None]
+
+
+@dataclass(frozen=True)
+class _Share:
+    """A share of the lines of a room."""
+
+    room: _Room
+    share: float
+
+    def __call__(self, q: Floats) -> tuple[Floats, Floats]:
+        """As those of the room."""
+        above, below = self.room(q)
+        return self.share * above, self.share * below
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ import numpy as np
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.machine.limits import Limits
 
-LEAST_SHARE = 1e-4
-"""Least share of a line's height by which it has fallen where its tangent is laid: next to rest z may grow by a large
-factor still."""
+LEAST_SHARE, LEAST_RISE = 1e-4, 1e-6
+"""Least share of a line's height by which it has fallen, or has risen, where its tangent is laid: next to rest z may
+grow by a large factor still. Below there the tangent of a line that rises lies outside by up to half of the share."""
 
 
 class LineRows(NamedTuple):
@@ -89,7 +89,8 @@ class LineRows(NamedTuple):
         """(points, k, 3) rows and (points, k) constants, made linear at ds/dt x (points, k)."""
         height, fall = self.chosen(x)
         rows, shift, root = self.scaled(height, fall)
-        floor = LEAST_SHARE * np.abs(height) / np.maximum(np.abs(fall), 1e-300)
+        share = np.where(fall > 0.0, LEAST_SHARE, LEAST_RISE)
+        floor = share * np.abs(height) / np.maximum(np.abs(fall), 1e-300)
         there = np.maximum(x, np.where(self.is_jerk, 0.0, floor))
         there = np.where(root != 0.0, there, 1.0)
         slope, h = root / (2.0 * there), self.ahead[:, None]
@@ -109,6 +110,14 @@ class LineRows(NamedTuple):
         height, fall = self.chosen(x)
         limit: Floats = (height - fall * x) / np.where(self.is_jerk, height, np.abs(height) + 1.0)
         return limit
+
+    def exceeded_by(self, basis: Floats, near: Floats) -> float:
+        """By how much a row is above its limit at most, as a share of the largest limit: from basis and coefficients
+        (points, 4) of the points. Where a limit rises with the speed (`fall` below zero) its tangent lies outside."""
+        x = self.speeds(basis, near)
+        height, fall = self.chosen(x)
+        value = np.einsum("pkd,pdj,pj->pk", self.rows, basis, near) * np.where(self.is_jerk, x, 1.0)
+        return float((value - height + fall * x).max(initial=0.0))
 
 
 def with_own_rows(

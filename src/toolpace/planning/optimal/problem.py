@@ -112,6 +112,10 @@ class Problem(OnMesh):
         part._make_linear(self.lines.speeds(self.basis, c[self.first[:, None] + np.arange(4)]))
         return part
 
+    def exceeded_by(self, c: Floats) -> float:
+        """By how much coefficients c (n,) exceed limits that depend on the speed, as a share of the largest."""
+        return 0.0 if self.lines is None else self.lines.exceeded_by(self.basis, c[self.first[:, None] + np.arange(4)])
+
     def time(self, c: Floats) -> float:
         """The sum of weight / sqrt(z) over the points, from coefficients c (n,) [s]."""
         z = (self.basis[:, 0] * c[self.first[:, None] + np.arange(4)]).sum(axis=1)

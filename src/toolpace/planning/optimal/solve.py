@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -124,23 +125,33 @@ def solve(problem: Problem, c: Floats, spread: float, once: bool = False, idle: 
     """Coefficients of the fastest z, started from c with a first gap of `spread`. Raises Stalled.
 
     `once` and `idle` are as `solve_linear` has them. Limits that depend on the speed are made linear at the speeds of
-    c, and then of what is found, which lies within them still: no solve but the first can end slower than it began.
+    c, and then of what is found. Where limits fall with the speed it lies within them, and no solve but the first can
+    end slower than it began. Where they rise it may lie outside, by the square of the change; the next solve mends it.
     """
     found = solve_linear(problem.about(c), c, spread, once, idle)
     if problem.lines is None:
         return found
-    least = problem.time(found)
+    last = best = LinearSolution(found, problem.time(found), problem.exceeded_by(found))
     for _ in range(MOST_LINEAR):
         try:
-            again = solve_linear(problem.about(found), slower(problem, found, LOSS), SPREAD, once=True)
+            found = solve_linear(problem.about(last.c), slower(problem, last.c, LOSS), SPREAD, once=True)
         except Stalled:
             break
-        before, least = least, min(problem.time(again), least)
-        if least < before:
-            found = again
-        if least >= (1.0 - SETTLED) * before:
+        before, last = last, LinearSolution(found, problem.time(found), problem.exceeded_by(found))
+        best = min(best, last, key=lambda each: each.time * (1.0 + each.over))
+        if last.time >= (1.0 - SETTLED) * before.time and last.over >= before.over - BROKEN_BY:
             break
-    return found
+    return best.c
+
+
+class LinearSolution(NamedTuple):
+    """What a solve found with limits that depend on the speed made linear."""
+
+    c: Floats
+    time: float
+    """The sum of weight / speed over the nodes [s]."""
+    over: float
+    """By how much these limits themselves are exceeded, as a share of the largest."""
 
 
 def solve_linear(problem: Problem, c: Floats, spread: float, once: bool = False, idle: float = 0.0) -> Floats:

@@ -242,7 +242,7 @@ def with_program_figures(setup: SetUp, shapes: Mapping[str, ToolFigures], workpi
     for name, figures in shapes.items():
         tool = tools.get(tool_name(name), Tool())
         if tool.figures is None:
-            tools[tool_name(name)] = replace(tool, figures=figures)
+            tools[tool_name(name)] = replace(tool, figures=tool.completed(figures), added={})
     return replace(setup, tools=tools, workpiece=workpiece if setup.workpiece.stock is None else setup.workpiece)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Protocol
 
+from toolpace.common.arrays import Floats
 from toolpace.common.errors import printable
-from toolpace.common.units import format_time
+from toolpace.common.units import format_figure, format_time
+from toolpace.cutting.feeds.teaching import by_line
 from toolpace.motion.sampling import Sampling
 from toolpace.results.cut.folder import ProgramCut
 from toolpace.results.cut.page import TIME_STEP
@@ -23,6 +27,8 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.feed_plan import FeedPlan
     from toolpace.cutting.feeds.largest_loads import LargestLoad
     from toolpace.cutting.feeds.rules import FeedRules
+    from toolpace.cutting.feeds.spindle_speeds import OperationSpeed
+    from toolpace.programs.toolpath import ToolPath
 
 LISTED = 40
 """Teachers, and places above a limit, that are listed."""
@@ -73,6 +79,7 @@ class FeedProgram(Protocol):
     def divided(self) -> int: ...
     @property
     def above(self) -> tuple[int, ...]: ...
+    def told(self, most: int) -> list[str]: ...
 
 
 class NewFeeds(Protocol):
@@ -92,13 +99,21 @@ class NewFeeds(Protocol):
     def before(self) -> ProgramTime: ...
     @property
     def after(self) -> ProgramTime: ...
+    @property
+    def reached(self) -> tuple[Sequence[Floats], Sequence[Floats]]: ...
+    @property
+    def largest(self) -> tuple[LargestLoad, ...]: ...
+    @property
+    def turned(self) -> ToolPath: ...
+    @property
+    def spindle(self) -> tuple[OperationSpeed, ...]: ...
 
 
 def feeds_page(found: NewFeeds, machine: str) -> str:
     """The page as HTML; it opens without a network. The motion is that of the program as it was."""
     cut, plan = found.cut, found.plan
     duration = float(cut.trajectory.duration)
-    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules)
+    tracks = feed_tracks(plan, cut.simulation, cut.toolpath, duration, found.rules, found.reached, found.turned)
     view = view_of_cut(cut.simulation, cut.trajectory, cut.toolpath, cut.setup, tracks=tracks)
     less = saved(found.before.total, found.after.total)
     badge = f"{100.0 * abs(less):.1f} % {'less' if less >= 0.0 else 'more'} time"
@@ -110,7 +125,7 @@ def feeds_page(found: NewFeeds, machine: str) -> str:
         "motion": shell.motion_section(duration, _legend(tracks)),
         "model": escape(found.model),
         "operations": "\n".join(_operations(found)),
-        "loads": _loads(plan.largest),
+        "loads": _loads(found.largest),
         "notes": _notes(found),
     }
     points = Sampling(cut.trajectory, TIME_STEP, on_grid=False)
@@ -170,9 +185,9 @@ def _loads(largest: tuple[LargestLoad, ...]) -> str:
     rows = []
     for each in largest:
         name, scale, unit = LOADS[each.kind]
-        values = "".join(f"<td>{scale * value:.3g} {unit}</td>" for value in (each.before, each.after))
+        values = "".join(f"<td>{format_figure(scale * value)} {unit}</td>" for value in (each.before, each.after))
         rows.append(f"<tr><th>{escape(printable(each.tool)) or '-'}</th><th>{name}</th>{values}</tr>")
-    head = "<th>tool</th><th>largest</th><th>before</th><th>planned</th>"
+    head = "<th>tool</th><th>largest</th><th>before</th><th>after</th>"
     return (
         '<section class="panel"><h2>Largest loads</h2><div class="scroll"><table class="figures"><thead><tr>'
         f"{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div></section>"
@@ -180,21 +195,26 @@ def _loads(largest: tuple[LargestLoad, ...]) -> str:
 
 
 def _notes(found: NewFeeds) -> str:
-    """Sentences: what holds of all feeds, who taught them, and where the program is above a limit."""
+    """Sentences: what holds of all feeds, what stays as it was and why, who taught them, and where the program is above
+    a limit."""
     plan = found.plan
-    sentences = list(plan.notes)
+    sentences = [
+        f"operation {each.name or '-'}, tool {each.tool or '-'}: {60.0 * each.before:.0f} rpm, "
+        + (f"{60.0 * each.after:.0f} rpm after: " if each.ratio != 1.0 else "which stay: ") + each.reason
+        for each in found.spindle if not math.isnan(each.before)
+    ]  # fmt: skip
+    sentences += [*plan.notes, *(each.told(LISTED) for each in plan.kept)]
     sentences += [
-        f"teacher: line {each.line}, tool {each.tool}: chip {1e6 * each.chip:.3g} µm, area {1e6 * each.area:.3g} mm², "
-        f"edge {1e3 * each.edge:.3g} mm"
-        for each in plan.teachers[:LISTED]
+        f"teacher: {f'{each.program}, ' * bool(each.program)}line {each.line}, tool {each.tool}: chip "
+        f"{1e6 * each.chip:.3g} µm, area {1e6 * each.area:.3g} mm², edge {1e3 * each.edge:.3g} mm, "
+        f"for {format_time(each.seconds)}"
+        for each in by_line(plan.teachers)[:LISTED]
     ]
     for each in plan.overloads[:LISTED]:
         what = "however slow, the load" if each.always else "the feed of the program"
         place = f"line {each.line}, tool {each.tool}"
         sentences.append(f"{place}: {what} is {each.share:.3g} times what {each.limit} allows")
-    if found.written.above:
-        lines = ", ".join(map(str, found.written.above[:LISTED]))
-        sentences.append(f"faster than allowed, since their motions have no single F: lines {lines}")
+    sentences += found.written.told(LISTED)
     items = "".join(f"<li>{escape(printable(each))}</li>" for each in sentences)
     return f'<section class="panel"><h2>Notes</h2><ul>{items}</ul></section>' if items else ""
 
@@ -202,8 +222,8 @@ def _notes(found: NewFeeds) -> str:
 def _legend(tracks: CutTracks) -> str:
     """What the curves before and after are."""
     shown = [panel for panel in KINDS if any(each.panel == panel for each in tracks.tracks)]
-    what = "feeds" if shown == ["program_feed"] else "feeds, and loads at these feeds where something may be cut"
+    what = "feeds" if shown == ["program_feed"] else "feeds, and loads where something may be cut"
     return (
-        f'<p class="hint">Before and after: {what}, at their places in the motion of the program as it was. Stock and '
-        "speed of the tip are of that motion.</p>"
+        f'<p class="hint">Before and after: {what}, at the speeds that the control reaches by its model, and at their '
+        "places in the motion of the program as it was. Stock and speed of the tip are of that motion.</p>"
     )

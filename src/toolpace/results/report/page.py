@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from toolpace.common.errors import printable
 from toolpace.common.units import format_length, format_time
 from toolpace.machine.limit_curves import CURVE
-from toolpace.machine.limits import KINDS, MOTORS
+from toolpace.machine.limits import CONTINUOUS, KINDS, MOTORS
 from toolpace.motion.set_point_files import MACHINE
 from toolpace.motion.setpoints import SetPointSource
 from toolpace.motion.trajectory import OperationTime, operation_times
@@ -215,7 +215,10 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
             cells.append(_used(j, share, text))
         if joint in motors:
             motor = motors[joint]
-            cells.append(_used(j, usage.rows[motor.name], f"of {four_digits(motor.limit)} {motor.unit}"))
+            text = f"of {four_digits(motor.limit)} {motor.unit}"
+            if CONTINUOUS + motor.name in usage.rows:
+                text += f", rms {percent(usage.rows[CONTINUOUS + motor.name])}"
+            cells.append(_used(j, usage.rows[motor.name], text))
         elif motors:
             cells.append("<td><small>no limit</small></td>")
         rows.append(f'<tr><th><i style="background:{joint_colour(j)}"></i>{escape(joint)}</th>{"".join(cells)}</tr>')

@@ -1,11 +1,12 @@
 """Feeds of a program and the loads at them, before and after, over the time of its motion.
 
-Loads are those at the feeds as they are written, of what may be cut (the largest stock): those that limits are held by.
+Feeds are those that the control reaches by its model. Loads are of what may be cut (the largest stock), as limits are
+held.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -44,26 +45,30 @@ LIMITS = {"removal": "removal_rate", "chip": "chip", "force": "force", "deflecti
 
 
 def feed_tracks(
-    plan: FeedPlan, simulation: CutSimulation, toolpath: ToolPath, duration: float, rules: FeedRules
+    plan: FeedPlan, simulation: CutSimulation, toolpath: ToolPath, duration: float, rules: FeedRules,
+    reached: Sequence[Sequence[Floats]], turned: ToolPath,
 ) -> CutTracks:
-    """Those of a plan of feeds over a motion [s], which is that of the program as it was."""
+    """Those of a plan of feeds over a motion [s], which is that of the program as it was.
+
+    reached: before and after, of each stretch the speed on the way to each station (n,) [m/s]. turned: the program with
+    the spindle speeds after.
+    """
     edges = interval_edges(duration)
     rows: dict[tuple[str, Role], Floats] = {}
     tools = tools_by_operation(simulation)
     stretches = [each for each in simulation.stretches if not each.rapid and len(each.stations) > 1]
-    for stretch, place, after in zip(stretches, plan.places, plan.feeds):
-        own, interval = toolpath.most_speed[stretch.stations.point], Intervals(edges, stretch.stations.time)
+    for stretch, place, before, after in zip(stretches, plan.places, *reached):
+        interval = Intervals(edges, stretch.stations.time)
         tool = tools.get(stretch.operation)
         name = toolpath.operations[stretch.operation].tool
-        before = np.where(np.isfinite(own), own, 0.0)
-        feeds: tuple[tuple[Role, Floats], ...] = (("before", before), ("after", after))
-        for role, feed in feeds:
-            for panel, values in loads_at(stretch, place, feed, tool, toolpath, rules).items():
+        feeds: tuple[tuple[Role, Floats, ToolPath], ...] = (("before", before, toolpath), ("after", after, turned))
+        for role, feed, path in feeds:
+            for panel, values in loads_at(stretch, place, feed, tool, path, rules).items():
                 row = rows.setdefault((panel, role), np.zeros(len(edges) - 1))
                 interval.raise_to(row, values)
         for panel, limit in limits_of(rules, name).items():
             row = rows.setdefault((panel, "limit"), np.zeros(len(edges) - 1))
-            interval.raise_to(row, np.full(len(own), limit))
+            interval.raise_to(row, np.full(len(after), limit))
     tracks = []
     for panel, (unit, scale) in KINDS.items():
         roles: tuple[Role, ...] = ("before", "after", "limit")
@@ -79,7 +84,7 @@ def feed_tracks(
 def loads_at(
     stretch: CutStretch, place: Places, feed: Floats, tool: ToolFigures | None, toolpath: ToolPath, rules: FeedRules
 ) -> dict[str, Floats]:
-    """By panel, (n,) at the stations of a stretch at feeds (n,) [m/s], in SI units."""
+    """By panel, (n,) at the stations of a stretch at speeds (n,) [m/s], in SI units."""
     way = np.diff(place.way, prepend=place.way[:1])
     rate = removal_rate(stretch.possible.removed, way, feed)
     found: dict[str, Floats] = {"program_feed": feed, "removal": rate}

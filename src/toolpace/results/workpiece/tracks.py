@@ -48,7 +48,7 @@ class Track:
 
 
 PANELS = {
-    "program_feed": "Feed of the program, mm/min",
+    "program_feed": "Feed that the control reaches, mm/min",
     "removal": "Removal rate, cm³/min",
     "engagement": "Width and depth of the cut, mm",
     "chip": "Thickest chip, µm",

@@ -33,11 +33,11 @@ from toolpace.results.write.cut_limits import (
     CUT_LIMITS,
     cut_arrays,
     cut_part,
-    judged_cut,
     profile_of,
     read_cut,
     write_cut,
 )
+from toolpace.results.write.cut_promise import NOTHING_STATED, StatedPromise, judged_cut
 from toolpace.results.write.plan_json import PLAN, PlanRecord, read_plan, write_plan
 from toolpace.results.write.result import (
     CONTROLLER,
@@ -55,10 +55,10 @@ from toolpace.results.write.result import (
 )
 
 __all__ = [
-    "CONTROLLER", "MACHINE", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING", "PlanRecord",
-    "PlanResult", "SetPointDigest", "bent_tool", "cut_arrays", "cut_part", "digest_of", "judged_cut", "profile_of",
-    "read_again", "read_cut", "read_plan", "reading_record",
-    "refuse_without_set_points", "write_csv", "write_folder",
+    "CONTROLLER", "MACHINE", "NOTHING_STATED", "PLAN", "REPORT", "SETUP", "TABLE", "TOOL", "TRAJECTORY", "WRITING",
+    "PlanRecord", "PlanResult", "SetPointDigest", "StatedPromise", "bent_tool", "cut_arrays", "cut_part", "digest_of",
+    "judged_cut", "profile_of", "read_again", "read_cut", "read_plan", "reading_record", "refuse_without_set_points",
+    "write_csv", "write_folder",
 ]  # fmt: skip
 
 TABLE = "setpoints.csv"

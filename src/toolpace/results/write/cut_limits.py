@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
-from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,13 +20,10 @@ from toolpace.programs.speed_profile import SpeedProfile
 if TYPE_CHECKING:
     from toolpace.cutting.feeds.limited_plan import CutLimitedPlan
     from toolpace.cutting.feeds.rules import FeedRules
-    from toolpace.judge.cut import CutPromise
-    from toolpace.judge.cut.stocks import Stock
-    from toolpace.judge.verification import Check
-    from toolpace.machine.machine import Machine
-    from toolpace.motion.setpoints import SetPoints
     from toolpace.programs.reading.coordinates.setup import SetUp
+    from toolpace.programs.spindle_figures import SpindleFigures
     from toolpace.programs.stock_figures import StockFigures
+    from toolpace.programs.tool_figures import ToolFigures
     from toolpace.programs.toolpath import ToolPath
 
 CUT_LIMITS = "cut_limits.npz"
@@ -52,6 +49,12 @@ class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """By tool, "" for all; each in SI by its name."""
     materials: dict[str, dict[str, float]] = {}
     """Coefficients of the force likewise, in Pa and N/m."""
+    material: str = ""
+    """Its name, or its file, as it was asked for; empty where that is not known."""
+    spindle: dict[str, list[tuple[float, float]]] = {}
+    """Its power [W] and its torque [N m] over turns per second [1/s], as far as the set-up sheet tells them."""
+    inputs: dict[str, str] = {}
+    """SHA-256 of the figures of stock and tools that the plan was made with."""
     teachers: dict[str, list[tuple[float, float, float]]] = {}
     """By tool: chip [m], area [m2] and edge [m] of each."""
     finishing: bool = False
@@ -59,14 +62,19 @@ class CutLimitsRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     notes: list[str] = []
 
 
-def cut_part(found: CutLimitedPlan, rules: FeedRules) -> tuple[CutLimitsRecord, bytes]:
+def cut_part(
+    found: CutLimitedPlan, rules: FeedRules, setup: SetUp, material: str = ""
+) -> tuple[CutLimitsRecord, bytes]:
     """What plan.json says of a plan within its cut, and the bytes of cut_limits.npz."""
     data = cut_bytes(found)
-    return cut_record(found, rules, data), data
+    return cut_record(found, rules, data, setup, material), data
 
 
-def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimitsRecord:
-    """What plan.json says of a plan within its cut, whose file holds `data`."""
+def cut_record(
+    found: CutLimitedPlan, rules: FeedRules, data: bytes, setup: SetUp, material: str = ""
+) -> CutLimitsRecord:
+    """What plan.json says of a plan within its cut, whose file holds `data`; material: its name, as it was asked for.
+    """
     simulation = found.simulation
     return CutLimitsRecord(
         feeds=rules.way,
@@ -79,6 +87,9 @@ def cut_record(found: CutLimitedPlan, rules: FeedRules, data: bytes) -> CutLimit
             tool: {name: float(getattr(limits, name)) for name in limits.names} for tool, limits in rules.limits.items()
         },
         materials={tool: msgspec.to_builtins(each) for tool, each in rules.materials.items()},
+        material=material,
+        spindle=spindle_curves(setup.spindle),
+        inputs=input_digests(found.toolpath, setup),
         teachers=_teachers(found),
         finishing=rules.finishing,
         notes=list(found.feeds.notes),
@@ -92,16 +103,59 @@ def _teachers(found: CutLimitedPlan) -> dict[str, list[tuple[float, float, float
     return by_tool
 
 
+def spindle_curves(spindle: SpindleFigures) -> dict[str, list[tuple[float, float]]]:
+    """What a spindle gives: by the name of the limit, turns per second [1/s] and the most at that speed in SI."""
+    curves = {"power": spindle.power, "torque": spindle.torque}
+    return {name: list(zip(each.speed, each.value)) for name, each in curves.items() if each is not None}
+
+
+def tools_of(toolpath: ToolPath, setup: SetUp) -> list[ToolFigures | None]:
+    """The figures of the tool of each operation."""
+    return [setup.figures_of(each.tool, each.figures) for each in toolpath.operations]
+
+
+def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
+    """SHA-256 of the figures of the stock and of each tool, in SI; "stock" and "tool 3"."""
+    found = {}
+    for operation, tool in zip(toolpath.operations, tools_of(toolpath, setup)):
+        if tool is not None:
+            found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
+    stock = setup.workpiece.stock or toolpath.workpiece.stock
+    if stock is not None:
+        found["stock"] = _digest(*_parts_of(stock))
+    return found
+
+
+def _parts_of(stock: StockFigures) -> tuple[object, bytes]:
+    """Its figures but for the place of its mesh, and the bytes of that."""
+    solid = stock.solid
+    if solid.mesh is None:
+        return replace(stock, solid=replace(solid, source="")), b""
+    try:
+        data = solid.mesh.read_bytes()
+    except OSError:
+        data = b""  # what reads it says so
+    unit = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    placed = replace(solid, mesh=None, mesh_unit="", box=unit, source="")
+    return (replace(stock, solid=placed), solid.mesh_unit), data
+
+
+def _digest(figures: object, data: bytes = b"") -> str:
+    return hashlib.sha256(msgspec.json.encode(figures) + data).hexdigest()
+
+
 def cut_bytes(found: CutLimitedPlan) -> bytes:
     """cut_limits.npz of a plan within its cut."""
+    from toolpace.cutting.feeds.limits import SOURCES
+
     profile = found.toolpath.speed_profile
-    arrays: dict[str, Floats | Ints] = {}
+    arrays: dict[str, Floats | Ints] = {"names": np.array(SOURCES)}
     if profile is not None:
         arrays |= {"place": profile.place, "speed": profile.speed, "limit": profile.limit}
-        arrays["names"] = np.array(profile.names)
     stretches = [each for each in found.simulation.stretches if not each.rapid and len(each.stations) > 1]
     arrays["station time"] = np.concatenate(found.passed)
     arrays["station most"] = np.concatenate(found.feeds.feeds)
+    arrays["station limit"] = np.concatenate(found.feeds.sources)
     for name in OF_STATIONS:
         arrays[f"station {name}"] = np.concatenate([getattr(each.stations, name) for each in stretches])
     tables = [each.possible for each in stretches]
@@ -114,66 +168,6 @@ def cut_bytes(found: CutLimitedPlan) -> bytes:
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
     return stream.getvalue()
-
-
-def judged_cut(
-    record: CutLimitsRecord, file: Mapping[str, Floats | Ints], points: SetPoints, toolpath: ToolPath, setup: SetUp,
-    machine: Machine, *, bends: bool,
-) -> tuple[Check, ...]:  # fmt: skip
-    """The judge's word on the cut of set-points along a program with its own feeds, and on what plan.json and
-    cut_limits.npz say of it; bends: whether the path is compensated for the bending of its tool."""
-    from toolpace.judge.cut import checks_of_cut, not_judged
-    from toolpace.judge.verification import Check
-
-    if bends:
-        return (not_judged("the tool bends"),)
-    try:
-        promise = promise_of(record, toolpath, setup, machine)
-    except UsageError as error:
-        return (not_judged(str(error)),)
-    stock = setup.workpiece.stock or toolpath.workpiece.stock
-    uncertainty = 0.0 if stock is None or promise.stock is None else 1e3 * stock.uncertainty
-    words = ""
-    if record.stock_guessed != (promise.stock is None):
-        words = "whether the stock is a guess is not as the set-up sheet says"
-    elif abs(record.uncertainty_mm - uncertainty) > 1e-9:
-        words = "the uncertainty of the stock is not that of the set-up sheet"
-    told = Check("plan.json cut_limits", 0.0, 0.0, "", not words, note=words)
-    return (told, *checks_of_cut(points, toolpath, promise, file))
-
-
-def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machine: Machine) -> CutPromise:
-    """What a plan promises of its cut, as the judge takes it."""
-    from toolpace.judge.cut import CutPromise
-    from toolpace.machine.cutting_tool import Coefficients
-
-    cell, stock = 1e-3 * record.resolution_mm, setup.workpiece.stock or toolpath.workpiece.stock
-    return CutPromise(
-        feeds=record.feeds,
-        stock=_largest_stock(stock, machine, setup, cell),
-        tools=[setup.figures_of(each.tool) or each.figures for each in toolpath.operations],
-        limits=record.limits,
-        coefficients={tool: Coefficients(**each) for tool, each in record.materials.items()},
-        teachers=record.teachers,
-        resolution=cell,
-        margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
-    )
-
-
-def _largest_stock(stock: StockFigures | None, machine: Machine, setup: SetUp, cell: float) -> Stock | None:
-    """A stock with its uncertainty, as the judge takes it with a margin of a cell [m]; None of one that is not told, or
-    a guess."""
-    from toolpace.cutting.stock.solids import body_of
-    from toolpace.judge.cut.stocks import MeshStock, box_stock, cylinder_stock
-
-    if stock is None or stock.guessed:
-        return None
-    body = body_of(stock.solid, machine, setup)
-    if body.box is not None:
-        return box_stock(*body.box, stock.uncertainty)
-    if body.cylinder is not None:
-        return cylinder_stock(*body.cylinder, stock.uncertainty)
-    return MeshStock(body.triangles(), stock.uncertainty, cell)
 
 
 def write_cut(path: Path, data: bytes) -> None:
@@ -212,7 +206,7 @@ def checked(arrays: dict[str, Floats | Ints]) -> dict[str, Floats | Ints]:
     """The same. Raises ValueError where one is missing, has another length, or is of no numbers."""
     count, arcs = len(arrays["station time"]), int(arrays["engagement arcs"].sum())
     of_arcs = {f"engagement {name}" for name in ("slice", "entry", "exit")}
-    names = [f"station {name}" for name in (*OF_STATIONS, "time", "most")]
+    names = [f"station {name}" for name in (*OF_STATIONS, "time", "most", "limit")]
     names += [f"engagement {name}" for name in (*OF_TABLE, "slice_height", "arcs")]
     for name in names:
         found = arrays[name]
@@ -221,6 +215,9 @@ def checked(arrays: dict[str, Floats | Ints]) -> dict[str, Floats | Ints]:
             raise ValueError(name)
     if arcs and not 0 <= arrays["engagement slice"].min() <= arrays["engagement slice"].max() < MOST_SLICES:
         raise ValueError("slice")
+    limits = arrays["station limit"]
+    if count and not 0 <= limits.min() <= limits.max() < len(arrays["names"]):
+        raise ValueError("limit")
     if not (arrays["engagement slice_height"] > 0.0).all() or (arrays["engagement arcs"] < 0).any():
         raise ValueError("arcs")
     return arrays

@@ -13,7 +13,7 @@ import msgspec
 from toolpace.common.errors import UsageError, in_short, printable
 from toolpace.common.files import SEAL, reason, whole_file
 from toolpace.common.units import MILLIMETRE
-from toolpace.machine.limits import MOTORS
+from toolpace.machine.limits import CONTINUOUS, MOTORS
 from toolpace.programs.tolerances import Tolerances
 from toolpace.results.write.cut_limits import CutLimitsRecord
 
@@ -45,13 +45,15 @@ class UsageRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_
     """Of limits that fall with the speed of their joint, by name; above stand shares of their largest values."""
     motor: dict[str, float] = {}
     """Of the torque or force of its motor; only joints whose machine file has a limit of it."""
+    continuous: dict[str, float] = {}
+    """Of the continuous rating of its motor, the largest root mean square over the thermal window."""
 
     @property
     def worst(self) -> float:
         """The largest of all."""
         jerk = (math.inf if value is None else value for value in self.jerk.values())
         joints = *self.velocity.values(), *self.acceleration.values(), *jerk
-        return max(self.feed, *joints, *self.curves.values(), *self.motor.values())
+        return max(self.feed, *joints, *self.curves.values(), *self.motor.values(), *self.continuous.values())
 
 
 class OpenPlaceRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -284,7 +286,9 @@ def usage_record(trajectory: Trajectory) -> UsageRecord:
     of_curves = {name: value for name, value in usage.rows.items() if name in curves}
     names = {f"{kind} {joint}": joint for joint in trajectory.joints for kind in MOTORS}
     motor = {names[name]: value for name, value in usage.rows.items() if name in names}
-    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, of_curves, motor)
+    rated = {CONTINUOUS + name: joint for name, joint in names.items()}
+    continuous = {rated[name]: value for name, value in usage.rows.items() if name in rated}
+    return UsageRecord(float(usage.feed), usage.velocity, usage.acceleration, jerk, of_curves, motor, continuous)
 
 
 def open_place_records(trajectory: Trajectory) -> list[OpenPlaceRecord]:

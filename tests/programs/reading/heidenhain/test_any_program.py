@@ -156,6 +156,7 @@ def test_random_programs_without_a_machine():
         check(Chance(seed).program(), None)
 
 
+@pytest.mark.sweep
 def test_mutated_programs():
     for seed in range(1500):
         chance = random.Random(seed)
@@ -190,6 +191,7 @@ def timed(text):
     return time.process_time() - began, made
 
 
+@pytest.mark.sweep
 def test_a_hundred_thousand_blocks_with_parameters_in_five_seconds():
     """In a loop, and line by line."""
     loop = (
@@ -204,6 +206,7 @@ def test_a_hundred_thousand_blocks_with_parameters_in_five_seconds():
         assert path.blocks > blocks and taken < 5.0
 
 
+@pytest.mark.sweep
 def test_time_grows_with_the_length_of_the_text_only():
     """Lines that go on and on, labels, and calls: twice as many take at most thrice the time and a bit."""
     kinds = {

@@ -138,6 +138,22 @@ def test_words_of_a_numbered_spindle_that_do_more_than_turn_it_are_refused(words
     assert last("G1 X5\nM2=3 S2=500 H4\nX9") == pytest.approx([9, 0, 0])
 
 
+@pytest.mark.parametrize(
+    ("words", "turns"),
+    [
+        ("S1=6000 M1=3", 100.0),
+        ("S1=6000 M3", 100.0),
+        ("S6000\nM1=4", -100.0),
+        ("S1=6000 M1=3\nS2=500 M2=4", 100.0),
+        ("SETMS(2)\nS1=6000 M1=3 S2=1200 M2=4", -20.0),
+        ("S1=6000 M1=3\nSETMS(2)\nSETMS\nS1=3000 S2=60", 50.0),
+        ("S1=6000 M1=3\nM1=5", 0.0),
+    ],
+)
+def test_speed_and_sense_of_the_master_spindle_may_have_its_number(words, turns):
+    assert read(f"G0 X0\n{words}\nG1 X5 F500").spindle[-1] == pytest.approx(turns)
+
+
 @pytest.mark.parametrize("word", ["A3=IC(1)", "A2=DC(5)"])
 def test_tool_vectors_are_no_distances(word):
     with pytest.raises(ProgramError, match="has no meaning"):

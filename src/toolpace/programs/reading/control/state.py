@@ -341,5 +341,5 @@ class ControlState:
 
     def _take_teeth(self) -> None:
         """Those of the tool in the spindle, for feeds per tooth."""
-        figures = self.setup.figures_of(self.tool) or self.findings.tool_shapes.get(self.tool)
+        figures = self.setup.figures_of(self.tool, self.findings.tool_shapes.get(self.tool))
         self.feed.teeth = None if figures is None else figures.teeth

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from toolpace.common.units import FARTHEST_PART, LONGEST_TOOL, METRES, SECONDS, refuse_other_unit
 from toolpace.programs.spindle_figures import SpindleFigures
@@ -41,11 +42,20 @@ class Tool:
     """Of the ball or the torus at its tip (R2 of Heidenhain's tool table) [m]; None where nothing tells it."""
     figures: ToolFigures | None = None
     """Its shape, for what it cuts; None where the sheet does not tell it."""
+    added: Mapping[str, Any] = field(default_factory=dict)
+    """Figures of a sheet without a diameter, by the fields of ToolFigures: of a tool whose shape the program tells."""
 
     def __post_init__(self) -> None:
         for name in ("length", "radius", "corner_radius"):
             if (figure := getattr(self, name)) is not None:
                 refuse_other_unit(figure, LONGEST_TOOL, f"tool: {name}", METRES)
+
+    def completed(self, told: ToolFigures | None) -> ToolFigures | None:
+        """Its shape; where the sheet has no diameter that of the program with what the sheet adds. Raises UsageError
+        where both contradict each other."""
+        if self.figures is not None or told is None or not self.added:
+            return self.figures or told
+        return replace(told, **self.added)
 
     def control_figures(self) -> dict[str, float]:
         """What the control's own table would have of it, by the key of the sheet [m]."""
@@ -114,11 +124,12 @@ class SetUp:
         lacks = "is not on the set-up sheet" if found is None else "has no length on the set-up sheet"
         return f"tool {tool} {lacks}: it is as long as the machine's own"
 
-    def figures_of(self, tool: str) -> ToolFigures | None:
-        """The shape of a tool; of the only one of the sheet where the program names none ("")."""
+    def figures_of(self, tool: str, told: ToolFigures | None = None) -> ToolFigures | None:
+        """The shape of a tool, of the only one of the sheet where the program names none (""); told: what the program
+        tells of it, which the sheet goes before. Raises UsageError where the two together contradict each other."""
         only = not tool and len(self.tools) == 1
         found = next(iter(self.tools.values())) if only else self.tool(tool)
-        return None if found is None else found.figures
+        return told if found is None else found.completed(told)
 
     def tool(self, name: str) -> Tool | None:
         """The line of a tool, however its number is written (5, 05); None where there is none."""

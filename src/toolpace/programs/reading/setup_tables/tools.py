@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from toolpace.common.files import reason
 from toolpace.common.units import DEGREE, LONGEST_TOOL, MILLIMETRE, MINUTE, WIDEST_TOOL, parse_feed, parse_power
@@ -67,6 +69,8 @@ class ToolTables(Quantities):
         radius, corner = found.get("radius"), found.get("corner_radius")
         if not set(SHAPE_KEYS) & set(table):
             return Tool(found.get("length"), radius, corner)
+        if "diameter" not in table and radius is None:
+            return Tool(found.get("length"), None, corner, added=self.added(place, table, corner))
         figures = self.made(lambda: self.figures(place, table, radius, corner))
         if figures.kind not in ("taper", "chamfer"):
             if radius is not None and radius > WIDEST_RADIUS * figures.diameter:
@@ -82,38 +86,52 @@ class ToolTables(Quantities):
         """The shape of a tool; `radius` and `corner` are those that the control's table has [m]."""
         if "diameter" in table:
             diameter = self.length_of(place, "diameter", table["diameter"], WIDEST_TOOL)
-        elif radius is None:
-            self.fail(place, f"has no diameter; write that of the cutting part [{self.length}]")
         else:
-            diameter = 2.0 * radius
+            diameter = 2.0 * (radius or 0.0)
         assumed = []
         kind = self.kind(place, table, diameter, corner)
         if "kind" not in table:
             assumed.append(f'kind is not told, and taken as "{kind}" from diameter and corner radius')
-        lengths = {key: self.length_of(place, key, table[key], LONGEST_TOOL) for key in LENGTH_KEYS if key in table}
-        angles = {key: self.angle_of(place, key, table[key]) for key in ANGLE_KEYS if key in table}
+        told = self.told(place, table)
         if kind == "drill" and "point_angle" not in table:
-            angles["point_angle"] = POINT
+            told["point_angle"] = POINT
             assumed.append(f"point_angle of the drill is not told, and taken as {POINT / DEGREE:g} deg")
         return ToolFigures(
-            kind, diameter, corner or 0.0, **lengths, **angles,
-            teeth=self.teeth(place, table),
-            pitch=self.pitch(place, table),
+            kind, diameter, corner or 0.0, **told, source=f"{self.source}: {place}", assumed=tuple(assumed)
+        )
+
+    def added(self, place: str, table: Mapping[str, object], corner: float | None) -> dict[str, Any]:
+        """What a table without a diameter tells of a shape, by the fields of ToolFigures."""
+        found = self.told(place, table)
+        if "kind" in table:
+            found["kind"] = self.word(place, "kind", table["kind"], KINDS)
+        if corner is not None:
+            found["corner_radius"] = corner
+        return found
+
+    def told(self, place: str, table: Mapping[str, object]) -> dict[str, Any]:
+        """The figures of a table but kind, diameter and corner radius, by the fields of ToolFigures."""
+        found: dict[str, Any] = {
+            key: self.length_of(place, key, table[key], LONGEST_TOOL) for key in LENGTH_KEYS if key in table
+        }
+        found |= {key: self.angle_of(place, key, table[key]) for key in ANGLE_KEYS if key in table}
+        readers: dict[str, Callable[[], object]] = {
+            "teeth": lambda: self.teeth(place, table),
+            "pitch": lambda: self.pitch(place, table),
             # a dial gauge shows both sides
-            runout=0.5 * self.length_of(place, "runout", table.get("runout", 0.0), WIDEST_TOOL),
-            shank=self.pieces(place, table, "shank"),
-            holder=self.pieces(place, table, "holder"),
-            material=self.text(place, "material", table["material"], 100) if "material" in table else "",
-            spindle_speed=self.turns_of(place, "spindle_speed", table["spindle_speed"])
-            if "spindle_speed" in table
-            else None,
-            spindle_range=self.spindle_range(place, table),
-            cutting_speed=self.cutting_speed(place, table),
-            stability=self.stability(place, table),
-            clockwise=self.word(place, "spindle", table.get("spindle", SPINDLES[0]), SPINDLES) == SPINDLES[0],
-            source=f"{self.source}: {place}",
-            assumed=tuple(assumed),
-        )  # fmt: skip
+            "runout": lambda: 0.5 * self.length_of(place, "runout", table["runout"], WIDEST_TOOL),
+            "shank": lambda: self.pieces(place, table, "shank"),
+            "holder": lambda: self.pieces(place, table, "holder"),
+            "material": lambda: self.text(place, "material", table["material"], 100),
+            "spindle_speed": lambda: self.turns_of(place, "spindle_speed", table["spindle_speed"]),
+            "spindle_range": lambda: self.spindle_range(place, table),
+            "cutting_speed": lambda: self.cutting_speed(place, table),
+            "stability": lambda: self.stability(place, table),
+        }
+        found |= {key: reader() for key, reader in readers.items() if key in table}
+        if "spindle" in table:
+            found["clockwise"] = self.word(place, "spindle", table["spindle"], SPINDLES) == SPINDLES[0]
+        return found
 
     def spindle_range(self, place: str, table: Mapping[str, object]) -> tuple[float, float] | None:
         """Least and most speed that may be chosen [1/s]."""
@@ -225,33 +243,31 @@ def tool_table(tool: Tool) -> dict[str, object]:
     """What the sheet says of a tool, in m and rad, so that it reads as exactly this one."""
     table: dict[str, object] = {**tool.control_figures()}
     figures = tool.figures
-    if figures is None:
-        return table
-    table |= {"kind": figures.kind, "diameter": figures.diameter}
-    values = {key: getattr(figures, key) for key in ("corner_radius", *LENGTH_KEYS, *ANGLE_KEYS, "teeth", "material")}
+    told = tool.added if figures is None else {each.name: getattr(figures, each.name) for each in fields(figures)}
+    plain = ("kind", "diameter", "corner_radius", *LENGTH_KEYS, *ANGLE_KEYS, "teeth", "material")
     # of a drill without a point it is told, since another one would be assumed
     table |= {
-        key: value
-        for key, value in values.items()
-        if value not in (None, "", 0.0, math.inf) or (key == "point_angle" and figures.kind == "drill")
-    }
-    for key, pieces in (("shank", figures.shank), ("holder", figures.holder)):
-        if pieces:
-            table[key] = [[piece.length, piece.lower_diameter, piece.upper_diameter] for piece in pieces]
-    if figures.pitch:
-        table["pitch"] = list(figures.pitch)
-    if figures.runout:
-        table["runout"] = 2.0 * figures.runout
-    if figures.spindle_speed is not None:
-        table["spindle_speed"] = f"{figures.spindle_speed!r} 1/s"
-    if not figures.clockwise:
+        key: told[key] for key in plain
+        if key in told
+        and (told[key] not in (None, "", 0.0, math.inf) or (key == "point_angle" and told.get("kind") == "drill"))
+    }  # fmt: skip
+    for key in ("shank", "holder"):
+        if told.get(key):
+            table[key] = [[piece.length, piece.lower_diameter, piece.upper_diameter] for piece in told[key]]
+    if told.get("pitch"):
+        table["pitch"] = list(told["pitch"])
+    if told.get("runout"):
+        table["runout"] = 2.0 * told["runout"]
+    if told.get("spindle_speed") is not None:
+        table["spindle_speed"] = f"{told['spindle_speed']!r} 1/s"
+    if not told.get("clockwise", True):
         table["spindle"] = SPINDLES[1]
-    if figures.spindle_range is not None:
-        table["spindle_range"] = [f"{each!r} 1/s" for each in figures.spindle_range]
-    if figures.cutting_speed is not None:
-        table["cutting_speed"] = f"{figures.cutting_speed!r} m/s"
-    if figures.stability is not None:
-        table["stability"] = _points(figures.stability)
+    if told.get("spindle_range") is not None:
+        table["spindle_range"] = [f"{each!r} 1/s" for each in told["spindle_range"]]
+    if told.get("cutting_speed") is not None:
+        table["cutting_speed"] = f"{told['cutting_speed']!r} m/s"
+    if told.get("stability") is not None:
+        table["stability"] = _points(told["stability"])
     return table
 
 

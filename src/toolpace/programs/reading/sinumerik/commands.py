@@ -14,7 +14,7 @@ from toolpace.programs.reading.sinumerik.cycles.holes import Holes
 from toolpace.programs.reading.sinumerik.cycles.swivel import initial_rotary, swivel
 from toolpace.programs.reading.sinumerik.orientation import need_turned, turn_along_tool
 from toolpace.programs.reading.sinumerik.run import Run
-from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, text
+from toolpace.programs.reading.sinumerik.syntax.values import Axis, Unread, Value, text, whole
 from toolpace.programs.reading.sinumerik.word_values import Arguments, Words, number
 
 OLD_MODE = 1000
@@ -23,7 +23,7 @@ TOP_SURFACE = 1_000_000
 BOTH = "TRAORI and a plane of CYCLE800 together: the plane stays where it lies on the part"
 PRECISION = 4
 """Mode of CYCLE832, the last one; 1 is finishing, 2 semi-finishing, 3 roughing."""
-STILL = ("MSG", "FGROUP", "CYCLE832")
+STILL = ("MSG", "FGROUP", "SETMS", "CYCLE832")
 """Commands that may stand beside motion, and change no place."""
 MOST_TRANSFORMATIONS = 4
 """Numbers of TRAORI that machines have."""
@@ -47,6 +47,7 @@ class Commands:
             "TOROTOF": lambda values: self.run.frames.end_tool_frame("TOROTOF"),
             "PAROTOF": lambda values: self.run.frames.end_tool_frame("PAROTOF"),
             "FGROUP": self._feed_group,
+            "SETMS": self._master_spindle,
             "CYCLE800": self._swivel,
             "CYCLE832": self._high_speed,
             "CYCLE90": self._thread,
@@ -75,6 +76,10 @@ class Commands:
             self.holes.perform(name, values)
 
         return perform
+
+    def _master_spindle(self, values: list[Value | None]) -> None:
+        """SETMS(3), or SETMS for that of the machine's data."""
+        self.run.tooling.master_spindle = 1 if not values or values[0] is None else whole(values[0])
 
     def _message(self, values: list[Value | None]) -> None:
         said = text(values[0]).strip() if values and values[0] is not None else ""

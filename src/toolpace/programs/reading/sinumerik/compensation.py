@@ -18,6 +18,7 @@ from toolpace.programs.reading.compensation.stage import (
 )
 from toolpace.programs.reading.compensation.tool_centre_path import Departing, Follower, Suppressed, follow, leave
 from toolpace.programs.reading.control.control import Control
+from toolpace.programs.reading.control.feed import SENSES
 from toolpace.programs.reading.expressions import BlockError
 from toolpace.programs.reading.options import PROGRAM, ReadOptions
 from toolpace.programs.reading.sinumerik.state import State
@@ -53,7 +54,18 @@ class Tooling:
         self.at_once = False
         """Whether T changes the tool, since the program has no M6."""
         self.edge = 1
+        self.master_spindle = 1
+        """Its S may stand without a number: 1 (MD20090 as it is delivered) unless SETMS tells another."""
         control.set_length("")
+
+    def spindle_sense(self, words: Words) -> list[str]:
+        """M3 for M1=3 of the master spindle, which is taken out of the words; those of other spindles turn no tool."""
+        address = f"M{self.master_spindle}="
+        code = f"M{shown(words[address].value)}" if address in words else ""
+        if code not in SENSES:
+            return []
+        del words[address]
+        return [code]
 
     def take(self, words: Words) -> None:
         """T, D and S of a block."""
@@ -84,7 +96,7 @@ class Tooling:
             if allowance and self.state.unit == INCH and self.state.feed_unit is None:
                 raise BlockError("OFFN under G70: whether it is in inches is not told; write G700 or G71")
             self.state.allowance = allowance * self.state.unit
-        spindle = number(words, "S")
+        spindle = number(words, f"S{self.master_spindle}", number(words, "S"))
         if spindle is not None:
             self.control.turn_spindle(spindle / MINUTE)
 

@@ -124,7 +124,7 @@ class Executor:
             self.compensation.take("G40")
         if words and not dwells:
             self.tooling.take(words)
-        for code in block.codes:
+        for code in (*block.codes, *self.tooling.spindle_sense(words)):
             try:
                 self._code(code, now)
             except Unread as error:
