@@ -12,7 +12,7 @@ What an F means is not worked out here: the program is read with one F everywher
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,6 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, VerificationError
+from toolpace.common.units import format_time
 from toolpace.controls.export.feed_words import LANGUAGES
 from toolpace.controls.export.planned_feeds import CUT, Job, in_old_blocks, settled, strays
 from toolpace.controls.export.program import Places as TextPlaces
@@ -70,8 +71,26 @@ class FeedProgram:
     """Blocks that were divided."""
     above: tuple[int, ...] = ()
     """Lines that keep a feed above the planned one, since their motions have no single F."""
+    below: tuple[int, ...] = ()
+    """Lines that keep a feed below the planned one, somewhere on their way: of cycles and threads none."""
+    missed: float = 0.0
+    """Time that they take at most beyond that, by their feeds alone [s]."""
     back: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """(new lines + 1,) the line that each was before."""
+
+    def told(self, most: int) -> list[str]:
+        """Sentences on lines that could not get the feed that is planned, with at most so many of them."""
+        found = []
+        if self.above:
+            lines = _listed(self.above, most)
+            found.append(f"faster than allowed, since their motions have no single F: lines {lines}")
+        if self.below:
+            lines, time = _listed(self.below, most), format_time(self.missed)
+            found.append(
+                f"up to {time} slower than allowed, where a block has one F for all of its motion or "
+                f"none of its own (loops, subprograms): lines {lines}"
+            )
+        return found
 
     def points_at(self, before: ToolPath, x: Floats) -> Ints:
         """(n,) the point of the new program that the way leads to at places x (n,) of it as it was, see `Places`."""
@@ -112,6 +131,7 @@ def with_cut_feeds(
     def write(job: Job) -> Rewritten:
         return _written(job, feeds, shares)
 
+    missed = np.where(job.rewriting.chosen | ~job.rewriting.able, 0.0, feeds.gains)
     job, new, again = settled(job, write)
     if times is not None:
         useless = _without_gain(job, feeds, times(toolpath), in_old_blocks(again, new), times(again))
@@ -120,7 +140,10 @@ def with_cut_feeds(
     check(job, feeds, new, again)
     above = feeds.lowered & ~job.rewriting.chosen
     divided = len(set(shares) & set(job.lines))
-    return FeedProgram(new.data, again, len(job.lines), divided, _lines(passes, above), new.back)
+    below = _lines(passes, missed >= PAYS)
+    return FeedProgram(
+        new.data, again, len(job.lines), divided, _lines(passes, above), below, float(missed.sum()), new.back
+    )
 
 
 def _elsewhere(job: Job, shares: Divisions) -> set[int]:
@@ -183,6 +206,10 @@ def _misplaced(new: Rewritten, read: ToolPath, shares: Mapping[int, Floats]) -> 
         if (np.abs(ends[:-1] - share * ends[-1]) > NEAR).any():
             found.add(line)
     return found
+
+
+def _listed(lines: Sequence[int], most: int) -> str:
+    return ", ".join(map(str, lines[:most])) + (", ..." if len(lines) > most else "")
 
 
 def _lines(passes: Passes, chosen: Bools) -> tuple[int, ...]:
@@ -272,6 +299,15 @@ class _BlockFeeds:
     def lowered(self) -> Bools:
         """(k,) passes of which a feed is below the program's somewhere."""
         found: Bools = self.least_ratio < 1.0 - ROUND
+        return found
+
+    @property
+    def gains(self) -> Floats:
+        """(k,) what the feeds on the way of each pass would gain, if each of its motions had its own [s]."""
+        known = self.moves & np.isfinite(self.feed) & (self.feed >= self.own * (1.0 + LEAST_CHANGE)) & (self.own > 0.0)
+        gains = np.zeros(len(self.way))
+        gains[known] = self.way[known] / self.own[known] - self.way[known] / self.feed[known]
+        found: Floats = np.add.reduceat(gains, self.first)
         return found
 
     @cached_property
