@@ -144,8 +144,8 @@ def check_chain(chain: Chain, source: str) -> None:
         )
     if not math.hypot(*chain.gravity) <= STRONGEST:
         raise MachineError(
-            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most {STRONGEST:g} "
-            "together, whatever the units of the file"
+            f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most "
+            f"{STRONGEST:g} in all, whatever the units of the file"
         )
 
 
@@ -254,8 +254,8 @@ def check_rating(joint: DrivenJoint, motor: Motor | None, place: str) -> None:
 
 
 def check_viscous_friction(friction: float, motor: Motor | None, velocity: float, place: str) -> None:
-    """Refuse friction [N s/m, N m s/rad] that lets a motor come to next to nothing of the joint's velocity [m/s, rad/s]:
-    a slip of units."""
+    """Refuse friction [N s/m, N m s/rad] with which a motor comes to next to nothing of its joint's velocity [m/s,
+    rad/s]: a slip of units."""
     if motor is None or not math.isfinite(velocity) or friction * velocity * LEAST_REACHED <= motor.largest:
         return
     raise MachineError(

@@ -96,7 +96,7 @@ class JointTorque(Rows):
         return share
 
     def _slower(self, parts: Floats, speed: Floats) -> Floats:
-        """(n,) the factor of ds/dt at which the motor bears the parts (3, n) of a torque, by halving: at rest it does."""
+        """(n,) the factor of ds/dt at which the motor bears the parts (3, n) of a torque, found by halving."""
         assert self.curve is not None
         square, viscous, constant = parts
         low, high = np.zeros(len(speed)), np.ones(len(speed))
@@ -231,8 +231,9 @@ class _Room:
         if not (np.abs(constant) < self.curve.largest).all():
             at = int(np.argmax(np.abs(constant)))
             raise UsageError(
-                f"{self.name}: weight and friction take {abs(constant[at]):.6g} of {self.curve.largest:.6g} {self.unit} "
-                f"with the joints at {np.round(q[0, at], 6).tolist()} m or rad; give a stronger motor, or a weight balance"
+                f"{self.name}: weight and friction take {abs(constant[at]):.6g} of {self.curve.largest:.6g} "
+                f"{self.unit} with the joints at {np.round(q[0, at], 6).tolist()} m or rad; give a stronger motor, or a "
+                "weight balance"
             )
         speed = np.abs(q[1, :, self.terms.joint])
         motor = self.of_motor * np.stack([np.ones_like(speed), speed], axis=1)[:, None, None]
