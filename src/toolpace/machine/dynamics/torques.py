@@ -232,8 +232,8 @@ class _Room:
             at = int(np.argmax(np.abs(constant)))
             raise UsageError(
                 f"{self.name}: weight and friction take {abs(constant[at]):.6g} of {self.curve.largest:.6g} "
-                f"{self.unit} with the joints at {np.round(q[0, at], 6).tolist()} m or rad; give a stronger motor, or a "
-                "weight balance"
+                f"{self.unit} with the joints at {np.round(q[0, at], 6).tolist()} m or rad; give a stronger motor, or "
+                "a weight balance"
             )
         speed = np.abs(q[1, :, self.terms.joint])
         motor = self.of_motor * np.stack([np.ones_like(speed), speed], axis=1)[:, None, None]
