@@ -106,14 +106,18 @@ def measured(program: Path, ways: Sequence[str], ideal: bool, keep: Path | None 
     cut = cut_program(str(program), request, TimedSteps(), None, lambda operation, stock: None)
     seconds = time.process_time() - began
     tools = [options.setup.figures_of(each.tool, each.figures) for each in cut.toolpath.operations]
-    reached = ControlSpeeds.of(cut.toolpath, machine, figures_for(options, None)).mean
+    figures = figures_for(options, None)
+    reached = ControlSpeeds.of(cut.toolpath, machine, figures).mean
     for way in ways:
         words, data = ["", ""], source.data
         if way != "program":
             began = time.process_time()
             rules = rules_of(case, way).for_machine(machine)
             plan = plan_feeds(cut.simulation, cut.toolpath, tools, rules, reached)
-            written = with_cut_feeds(source, machine, None, options, cut.toolpath, plan)
+            written = with_cut_feeds(
+                source, machine, None, options, cut.toolpath, plan,
+                times=lambda path: ControlSpeeds.of(path, machine, figures).times,
+            )  # fmt: skip
             seconds, data = time.process_time() - began, written.data
             words = [str(written.changed), str(written.divided)]
             if keep is not None:

@@ -134,7 +134,9 @@ def run_other_commands(folder: Path) -> None:
     tp.Follower.from_folder(planned, reserve=0.1).step()
     sheet = folder / "setup.toml"
     sheet.write_text(SHEET, "ascii")
-    toolpace(["feeds", *on_machine, "--setup", str(sheet), "--feeds", "learned", "--resolution", "1mm"])
+    with_sheet = [*on_machine, "--setup", str(sheet), "--resolution", "1mm"]
+    toolpace(["feeds", *with_sheet, "--feeds", "learned"])
+    toolpace(["plan", *with_sheet, "--feeds", "limits", "--limit", "chip=0.05mm", "--out", str(folder / "within-cut")])
 
 
 if __name__ == "__main__":

@@ -273,6 +273,19 @@ def test_speeds_of_a_cut_are_held_against_those_beside_the_plan():
     assert other_feed(axis_path, SLOT.toolpath(), bends=False)[0]
 
 
+def test_the_last_digit_of_a_speed_between_two_places_of_a_profile_may_differ():
+    plan = limited_slot()
+    axis_path, toolpath = plan.plan.trajectory.axis_path, plan.fed(SLOT.toolpath())
+    for factor, same in ((1.0 - 1e-15, True), (1.0 - 1e-9, False)):
+        runs = tuple(
+            each
+            if each.profile is None
+            else FollowRun(replace(each.run, feed=factor * each.run.feed), each.machine, each.branch)
+            for each in axis_path.runs
+        )
+        assert (other_feed(replace(axis_path, runs=runs), toolpath, bends=False)[0] == "") == same
+
+
 def test_a_path_of_another_plan_or_damaged_is_found(again, plans, tmp_path, capsys):
     other = tmp_path / "other"
     words = ["--npz", "compact", "--no-report", "--feed", "50%", "--out", str(other)]

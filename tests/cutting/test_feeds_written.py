@@ -185,6 +185,10 @@ def test_a_feed_that_is_lowered_by_little_is_written_and_what_cannot_be_is_told(
     text = "G21 G90\nG0 X0 Y0 Z0\n#1=0\nO1 WHILE [#1 LT 2]\nG1 X30 F1000\nG1 X0\n#1=[#1+1]\nO1 ENDWHILE\nM30\n"
     _, written = changed(text, "linuxcnc", {5: 0.01})
     assert (written.data.decode(), written.changed, written.above) == (text, 0, (5,))
+    _, written = changed(text, "linuxcnc", {5: 1000.0 / 30e3})
+    assert (written.data.decode(), written.above, written.below) == (text, (), (5,))
+    # twice 30 mm in 1.8 s, at twice the feed
+    assert written.missed == pytest.approx(1.8) and "1.80 s slower" in written.told(3)[0]
 
 
 def test_a_higher_feed_that_gains_nothing_on_the_control_is_left_out():

@@ -10,17 +10,26 @@ import msgspec
 import numpy as np
 import pytest
 
+import toolpace as tp
+from testbed import deflection_on_a_wall
 from tests.support.limited_plans import SLOT, limited_slot, machine
 from toolpace.common.errors import UsageError
+from toolpace.cutting.feeds.limited_plan import plan_within_cut
 from toolpace.cutting.feeds.limits import CutLimits
 from toolpace.cutting.feeds.rules import FeedRules
+from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
 from toolpace.cutting.forces.material import Material
-from toolpace.judge.cut import CutJudge, allowed_check, limit_checks, reached_checks, speed_check
+from toolpace.cutting.simulation import simulate_cut
+from toolpace.cutting.tool_file import tool_of_bytes
+from toolpace.judge.cut import Bent, CutJudge, allowed_check, finishing_check, limit_checks, reached_checks, speed_check
 from toolpace.judge.cut.stations import columns_check, covered_check, passed_again, passed_stations
+from toolpace.judge.cut.stocks import box_stock
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
-from toolpace.results.write.cut_limits import checked, cut_arrays, cut_bytes, cut_record
+from toolpace.programs.stock_figures import Solid
+from toolpace.programs.tolerances import Tolerances
+from toolpace.results.write.cut_limits import checked, cut_arrays, cut_bytes, cut_record, input_digests
 from toolpace.results.write.cut_promise import NOTHING_STATED, StatedPromise, judged_cut, promise_of, told_checks
 
 ALUMINIUM = Coefficients(800e6, 250e6, 100e6, 15e3, 20e3, 3e3)
@@ -32,7 +41,7 @@ def planned():
     """Set-points, the arrays of the file, and what plan.json says of a slot whose chips have a limit."""
     plan = limited_slot()
     data = cut_bytes(plan)
-    record = cut_record(plan, FeedRules("limits", limits={"": CutLimits(chip=SLOT.chip)}), data, SETUP)
+    record = cut_record(plan, FeedRules("limits", finishing=True, limits={"": CutLimits(chip=SLOT.chip)}), data, SETUP)
     return plan.plan.trajectory.sample(2e-3), cut_arrays(data), record
 
 
@@ -134,6 +143,16 @@ def test_the_power_of_the_spindle_is_held_at_its_speed():
     assert not limit_checks(judge, judge.instants(3)), "without a material no power is known"
 
 
+@pytest.mark.parametrize("larger", [0.0, 0.4e-3])
+@pytest.mark.parametrize("deep, wide, ok", [(2e-3, 5e-3, True), (3e-3, 5e-3, False), (2e-3, 8e-3, False)])
+def test_speed_that_is_raised_beside_what_stays_is_found(deep, wide, ok, larger):
+    """A slot of 10 mm, 2 mm deep: in a plate as thick and as wide as that nothing stays."""
+    plate = box_stock(np.array([0.0, -wide, -deep]), np.array([40e-3, wide, 0.0]), larger)
+    judge = judge_of(planned()[2], stock=plate, uncertainty=larger, finishing=False)
+    middle = judge.moving[np.abs(judge.tip[judge.moving, 0] - 20e-3) < 12e-3]
+    assert finishing_check(judge, middle).ok is ok
+
+
 def with_tool(**figures):
     tool = SETUP.tools["1"]
     return dataclasses.replace(SETUP, tools={"1": dataclasses.replace(tool, figures=dataclasses.replace(
@@ -163,6 +182,18 @@ def test_another_sheet_than_that_of_the_plan_is_found(name):
     assert found and word in " ".join(found)
 
 
+def test_another_mesh_of_the_stock_is_found_wherever_it_is(tmp_path):
+    def digest(name, data, unit="mm"):
+        file = tmp_path / name
+        file.write_bytes(data)
+        solid = Solid(mesh=file, mesh_unit=unit)
+        return input_digests(SLOT.toolpath(), other_stock(solid=solid))["stock"]
+
+    first = digest("a.stl", b"solid")
+    assert digest("b.stl", b"solid") == first
+    assert first not in (digest("a.stl", b"other"), digest("b.stl", b"solid", "inch"))
+
+
 @pytest.mark.parametrize(
     "changes",
     [{"spindle": {"power": [(50.0, 900.0)]}}, {"inputs": {}}, {"material": "Al7075-T6"}, {"material": "no such"}],
@@ -190,6 +221,13 @@ def test_coefficients_must_be_those_of_the_material_that_is_named():
 )
 def test_a_promise_that_is_stated_otherwise_is_found(stated):
     assert findings(told_checks(planned()[2], SLOT.toolpath(), SETUP, stated))
+
+
+def test_what_is_stated_otherwise_is_told_in_units():
+    stated = StatedPromise({"1": {"chip": 0.08e-3}})
+    told = " ".join(findings(told_checks(planned()[2], SLOT.toolpath(), SETUP, stated)))
+    assert "chip is 0.05 mm in the plan, and not limited as it was stated" in told
+    assert "chip of tool 1 is not limited in the plan, and 0.08 mm as it was stated" in told
 
 
 @pytest.mark.parametrize(
@@ -238,3 +276,32 @@ def test_what_is_left_of_a_deflection_that_is_compensated_counts():
         found = CutJudge(moved, SLOT.toolpath(), promise, points.tip).instant(row).loads["compensated_deflection"]
         assert found >= none["compensated_deflection"] - 5e-6 - 1e-9
         assert abs(found - none["compensated_deflection"]) == pytest.approx(5e-6, rel=1e-3)
+
+
+@pytest.mark.thorough
+def test_a_wall_that_is_limited_and_compensated_is_within_what_may_be_left():
+    """20 micrometres: twice as much, were it not for the compensation."""
+    setup = setup_of_text(deflection_on_a_wall.SHEET)
+    toolpath = tp.read_text(deflection_on_a_wall.PROGRAM, machine(), controller="linuxcnc", setup=setup)
+    limits = {"": CutLimits(surface_deflection=deflection_on_a_wall.ALLOWED).compensated}
+    rules = FeedRules(
+        "limits", air_feed=0.1, finishing=True, limits=limits, materials={"": deflection_on_a_wall.COEFFICIENTS}
+    )
+    plan = plan_within_cut(toolpath, machine(), setup, rules, effort="low", resolution=0.2e-3)
+    cut = simulate_cut(plan.plan.trajectory, plan.toolpath, setup, resolution=0.2e-3)
+    tools = [setup.figures_of(each.tool) for each in toolpath.operations]
+    tool = with_engaged_deflection(
+        tool_of_bytes(deflection_on_a_wall.TOOL.encode(), "wall"), cut, plan.toolpath, tools
+    )
+    points = tp.compensate_bending(plan.toolpath, machine(), tool).trajectory.sample(0.5e-3)
+    data = cut_bytes(plan)
+    record = cut_record(plan, rules, data, setup)
+    bent = Bent(tool, machine(), plan.toolpath, Tolerances(10e-6), Tolerances(1e-3))
+    found = judged_cut(record, cut_arrays(data), points, toolpath, setup, machine(), bent=bent)
+    assert not findings(found)
+    (left,) = [each for each in found if each.what == "compensated deflection of the cut"]
+    assert left.ratio == pytest.approx(1.0, abs=0.01)
+    promise = promise_of(record, toolpath, setup, machine())
+    stiff = CutJudge(points, toolpath, promise)
+    row = int(np.flatnonzero((points.block == 6) & (points.tip[:, 0] > 20e-3))[0])
+    assert stiff.instant(row).loads["surface_deflection"] > 1.8 * deflection_on_a_wall.ALLOWED

@@ -147,7 +147,7 @@ def test_machine_files_with_masses_are_written_as_they_were_read():
     ("balance = 1400", "balance = inf", r"joint Z: balance = inf; give a finite torque or force"),
     ("viscous_friction = 120", "viscous_friction = 5e5", r"joint X: viscous_friction = 500000 takes all of 2000 of"),
     ("[chain]", "[chain]\ngravity = [0, 0, nan]", r"\[chain\] gravity = \[0.0, 0.0, nan\] m/s\^2; give three finite"),
-    ("[chain]", "[chain]\ngravity = [0, 0, -9806.65]", r"\[chain\] gravity = .* at most 20 in all"),
+    ("[chain]", "[chain]\ngravity = [0, 0, -9806.65]", r"\[chain\] gravity = .* at most 20 together"),
     ("torque = 25", "torque = [[0, 25], [9, 26]]", r"joint C: torque rises from 25 to 26 at speed 9"),
     ("torque = 25", "torque = [[0, 25], [9, 0]]", r"joint C: torque is 0 at speed 9; give limits above zero"),
     ("torque = 25", "torque = { upwards = 9 }", r"joint C: torque is \{'upwards': 9\}; give a number, or corners like"),

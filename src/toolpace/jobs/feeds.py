@@ -177,6 +177,8 @@ def feeds_record(found: NewFeeds, machine: str) -> dict[str, object]:
         "blocks_changed": found.written.changed,
         "blocks_divided": found.written.divided,
         "lines_above": list(found.written.above),
+        "lines_below": list(found.written.below),
+        "missed_s": found.written.missed,
         "spindle": [
             {
                 "name": each.name, "tool": each.tool, "before_rpm": 60.0 * each.before, "after_rpm": 60.0 * each.after,

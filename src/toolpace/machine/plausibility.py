@@ -145,7 +145,7 @@ def check_chain(chain: Chain, source: str) -> None:
     if not math.hypot(*chain.gravity) <= STRONGEST:
         raise MachineError(
             f"{source}: [chain] gravity = {list(chain.gravity)} m/s^2; give three finite numbers, at most "
-            f"{STRONGEST:g} in all, whatever the units of the file"
+            f"{STRONGEST:g} together, whatever the units of the file"
         )
 
 

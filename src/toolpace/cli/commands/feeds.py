@@ -9,25 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.text import Text
 
 from toolpace.cli import options
 from toolpace.cli.commands.cut import MEMORY, Memory, Resolution, cell, size
-from toolpace.cli.console import Steps, cells, new_console, new_table, print_json
+from toolpace.cli.console import Steps, new_console, print_json
 from toolpace.common.errors import UsageError, did_you_mean, printable
-from toolpace.common.units import format_figure, format_time, parse_feed, parse_length
+from toolpace.common.units import parse_feed, parse_length
 
 if TYPE_CHECKING:
-    from toolpace.controls.timing.program_time import ProgramTime
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.jobs.cut_options import CutOptions
-    from toolpace.jobs.feeds import NewFeeds
     from toolpace.machine.cutting_tool import Coefficients
     from toolpace.results.write import StatedPromise
 
 SPINDLE = ("program", "range")
-SHOWN = 8
-"""Teachers and overloads that are listed."""
 Way = Annotated[
     str,
     Parameter(
@@ -232,7 +227,9 @@ def feeds_command(
     effort: options.Effort = "normal",
     tool_length: options.ToolLength = None,
     dialect: options.Dialect = None,
-    json: options.Json = False,
+    json: Annotated[
+        bool, options.Switch, Parameter(name="--json", help="Print what was found as JSON: one object.")
+    ] = False,
     reading: options.Reading = options.AS_WRITTEN,
 ) -> int:
     """Write a program anew with the feeds that its cut allows.
@@ -251,6 +248,7 @@ def feeds_command(
         toolpace feeds part.ngc -m my-mill.toml --setup setup.toml -o new.ngc --report feeds.html
     """
     from toolpace.cli import arguments
+    from toolpace.cli.feeds_summary import show_feeds
     from toolpace.common.files import whole_file
     from toolpace.cutting.feeds import teaching
     from toolpace.jobs.cut import CutRequest
@@ -264,6 +262,8 @@ def feeds_command(
         for what, file in (("program", program), ("set-up sheet", reading.setup), ("machine file", machine)):
             if file is not None and Path(out).exists() and Path(file).exists() and Path(out).samefile(file):
                 raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
+        if Path(out).is_dir():
+            raise UsageError(f"--out {out}: that is a folder; name a file in it")
         if not Path(out).absolute().parent.is_dir():
             raise UsageError(f"--out {out}: its folder does not exist; make it first")
     if report is not None:
@@ -314,100 +314,3 @@ def coefficients_of(material: str) -> Coefficients:
     from toolpace.cutting.forces.material import Material
 
     return Material.load(material).coefficients
-
-
-def show_feeds(console: Console, found: NewFeeds) -> None:
-    """Times before and after, by operation, and what was left."""
-    from toolpace.common.value_objects import counted
-
-    saved = 1.0 - found.after.total / found.before.total if found.before.total > 0.0 else 0.0
-    console.print()
-    for note in found.plan.notes:
-        console.print(Text(printable(note)), soft_wrap=True)
-    console.print(
-        f"{counted(found.written.changed, 'block')} with another feed, {found.written.divided} divided; by the model "
-        f"{found.model} {_with_range(found.before)} becomes {_with_range(found.after)}, {_less(saved)}",
-        soft_wrap=True,
-    )
-    table = new_table(["operation", "tool", "before", "after", "less"], left=("operation", "tool"))
-    for old, new in zip(found.before.parts, found.after.parts):
-        less = 1.0 - new.time / old.time if old.time > 0.0 else 0.0
-        times = format_time(old.time), format_time(new.time)
-        words = [old.name or "-", old.tool or "-", *times, f"{round(100.0 * less, 1) + 0.0:.1f} %"]
-        table.add_row(*cells(words))
-    console.print(table)
-    _show_spindle(console, found)
-    _show_loads(console, found)
-
-
-def _show_spindle(console: Console, found: NewFeeds) -> None:
-    """Speeds before and after, with the surface speed where the tool cuts the widest, and cuts that chatter."""
-    speeds = [each for each in found.spindle if not math.isnan(each.before)]
-    if not speeds:
-        return
-    words = ["operation", "tool", "spindle", "after", "cuts at", "surface", "depth", "stable", "why"]
-    table = new_table(words, left=("operation", "tool", "why"))
-    for each in speeds:
-        surface = 60.0 * math.pi * each.diameter * each.after
-        table.add_row(
-            *cells([
-                each.name or "-", each.tool or "-", f"{60.0 * each.before:.0f} rpm", f"{60.0 * each.after:.0f} rpm",
-                f"{1e3 * each.diameter:.3g} mm", f"{surface:.0f} m/min", f"{1e3 * each.depth:.3g} mm",
-                "-" if math.isnan(each.stable_depth) else f"{1e3 * each.stable_depth:.3g} mm", each.reason,
-            ])
-        )  # fmt: skip
-    console.print(table)
-    for each in speeds:
-        if each.chatters:
-            console.print(
-                f"line {each.line}, tool {printable(each.tool)}: the cut is {1e3 * each.depth:.3g} mm deep, and at "
-                f"{60.0 * each.after:.0f} rpm its stability chart has {1e3 * each.stable_depth:.3g} mm: it may chatter",
-                soft_wrap=True,
-            )
-
-
-def _show_loads(console: Console, found: NewFeeds) -> None:
-    from toolpace.cutting.feeds.teaching import by_line
-
-    if above := found.written.above:
-        lines = ", ".join(map(str, above[:SHOWN])) + (", ..." if len(above) > SHOWN else "")
-        console.print(f"faster than allowed, since their motions have no single F: lines {lines}", soft_wrap=True)
-    scales = {"chip": ("chip", 1e3, "mm"), "removal_rate": ("removal", 6e7, "cm3/min"), "force": ("force", 1.0, "N")}
-    scales |= {"torque": ("torque", 1.0, "Nm"), "power": ("power", 1.0, "W"), "deflection": ("deflection", 1e6, "um")}
-    if found.largest:
-        table = new_table(["tool", "largest", "before", "after"], left=("tool", "largest"))
-        for load in found.largest:
-            name, scale, unit = scales[load.kind]
-            words = [f"{format_figure(scale * each)} {unit}" for each in (load.before, load.after)]
-            table.add_row(*cells([load.tool or "-", name, *words]))
-        console.print(table)
-    for kept in found.plan.kept:
-        console.print(kept.told(SHOWN), soft_wrap=True)
-    for teacher in (listed := by_line(found.plan.teachers))[:SHOWN]:
-        where = f"{printable(teacher.program)}, " * bool(teacher.program) + f"line {teacher.line}"
-        console.print(
-            f"teacher: {where}, tool {printable(teacher.tool)}: chip {1e3 * teacher.chip:.3g} mm, "
-            f"area {1e6 * teacher.area:.3g} mm2, edge {1e3 * teacher.edge:.3g} mm, for {format_time(teacher.seconds)}",
-            soft_wrap=True,
-        )
-    if (more := len(listed) - SHOWN) > 0:
-        console.print(f"and {more} more teachers (--json lists them)")
-    for over in found.plan.overloads[:SHOWN]:
-        what = f"what {over.limit} allows"
-        if over.always:
-            told = f"however slow, the load is {over.share:.3g} times {what}; the feed stays"
-        else:
-            told = f"the program's feed is {over.share:.3g} times {what}"
-        console.print(f"line {over.line}, tool {printable(over.tool)}: {told}", soft_wrap=True)
-
-
-def _less(share: float) -> str:
-    """A share of the time that is saved, or added."""
-    percent = round(100.0 * share, 1)
-    return f"{abs(percent):.1f} % {'more' if percent < 0.0 else 'less'}"
-
-
-def _with_range(time: ProgramTime) -> str:
-    if time.range is None or not time.range.most > time.range.least:
-        return format_time(time.total)
-    return f"{format_time(time.total)} ({format_time(time.range.least)} to {format_time(time.range.most)})"

@@ -36,6 +36,8 @@ from toolpace.results import write
 from toolpace.results.write import NOTHING_STATED, PlanRecord, StatedPromise
 from toolpace.results.write.result import copy_name
 
+ROUNDED = 1e-12
+"""Share by which the feed of a way may be off that a profile of speed limits, which is straight between two places."""
 MOST_OFF = 1.0
 """Grids of rounding by which path and laws may be off the set-points: half of one, and what computers round by."""
 
@@ -171,8 +173,9 @@ def other_feed(path: AxisPath, toolpath: ToolPath, *, bends: bool) -> tuple[str,
         elif entry[0] <= before or (np.diff(entry) <= 0).any() or entry[-1] >= len(toolpath):
             return "its blocks lead to points out of their order", int(block[0])
         else:
-            feed = np.where(limited[entry], np.minimum(spline.feed, toolpath.feed[entry]), spline.feed)
-            same = (block == toolpath.block[entry]) & (feed == toolpath.feed[entry])
+            feed = toolpath.feed[entry]
+            above = limited[entry] & (spline.feed >= feed * (1.0 - ROUNDED))
+            same = (block == toolpath.block[entry]) & (above | (spline.feed == feed))
             same &= spline.least_time == toolpath.least_time[entry]
             before = int(entry[-1])
             wanted = None if profile is None else profile.along(ways_between(entry), spline.block_start)

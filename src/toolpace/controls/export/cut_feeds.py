@@ -12,7 +12,7 @@ What an F means is not worked out here: the program is read with one F everywher
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,6 +21,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.common.errors import UsageError, VerificationError
+from toolpace.common.units import format_time
 from toolpace.controls.export.feed_words import LANGUAGES
 from toolpace.controls.export.planned_feeds import CUT, Job, in_old_blocks, settled, strays
 from toolpace.controls.export.program import Places as TextPlaces
@@ -38,8 +39,10 @@ DIGITS = 3
 """Significant figures of an F: rounded down."""
 SHORTEST_PIECE = 2e-3
 """Of a block that is divided [m]."""
-WORTH = 0.2
-"""Time that dividing a block gains at least [s]."""
+WORTH, PIECE_PAYS = 0.2, 0.05
+"""Time that dividing a block gains at least, and that each piece of it does [s]."""
+FIRST = 1e9
+"""By which pieces that are too short come before others [s]."""
 PAYS = 0.02
 """Time that neighbouring blocks with a higher feed gain together on the control at least [s]."""
 ROUND = 1e-6
@@ -68,8 +71,26 @@ class FeedProgram:
     """Blocks that were divided."""
     above: tuple[int, ...] = ()
     """Lines that keep a feed above the planned one, since their motions have no single F."""
+    below: tuple[int, ...] = ()
+    """Lines that keep a feed below the planned one, somewhere on their way: of cycles and threads none."""
+    missed: float = 0.0
+    """Time that they take at most beyond that, by their feeds alone [s]."""
     back: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """(new lines + 1,) the line that each was before."""
+
+    def told(self, most: int) -> list[str]:
+        """Sentences on lines that could not get the feed that is planned, with at most so many of them."""
+        found = []
+        if self.above:
+            lines = _listed(self.above, most)
+            found.append(f"faster than allowed, since their motions have no single F: lines {lines}")
+        if self.below:
+            lines, time = _listed(self.below, most), format_time(self.missed)
+            found.append(
+                f"up to {time} slower than allowed, where a block has one F for all of its motion or "
+                f"none of its own (loops, subprograms): lines {lines}"
+            )
+        return found
 
     def points_at(self, before: ToolPath, x: Floats) -> Ints:
         """(n,) the point of the new program that the way leads to at places x (n,) of it as it was, see `Places`."""
@@ -110,6 +131,7 @@ def with_cut_feeds(
     def write(job: Job) -> Rewritten:
         return _written(job, feeds, shares)
 
+    missed = np.where(job.rewriting.chosen | ~job.rewriting.able, 0.0, feeds.gains)
     job, new, again = settled(job, write)
     if times is not None:
         useless = _without_gain(job, feeds, times(toolpath), in_old_blocks(again, new), times(again))
@@ -118,7 +140,10 @@ def with_cut_feeds(
     check(job, feeds, new, again)
     above = feeds.lowered & ~job.rewriting.chosen
     divided = len(set(shares) & set(job.lines))
-    return FeedProgram(new.data, again, len(job.lines), divided, _lines(passes, above), new.back)
+    below = _lines(passes, missed >= PAYS)
+    return FeedProgram(
+        new.data, again, len(job.lines), divided, _lines(passes, above), below, float(missed.sum()), new.back
+    )
 
 
 def _elsewhere(job: Job, shares: Divisions) -> set[int]:
@@ -181,6 +206,10 @@ def _misplaced(new: Rewritten, read: ToolPath, shares: Mapping[int, Floats]) -> 
         if (np.abs(ends[:-1] - share * ends[-1]) > NEAR).any():
             found.add(line)
     return found
+
+
+def _listed(lines: Sequence[int], most: int) -> str:
+    return ", ".join(map(str, lines[:most])) + (", ..." if len(lines) > most else "")
 
 
 def _lines(passes: Passes, chosen: Bools) -> tuple[int, ...]:
@@ -272,6 +301,15 @@ class _BlockFeeds:
         found: Bools = self.least_ratio < 1.0 - ROUND
         return found
 
+    @property
+    def gains(self) -> Floats:
+        """(k,) what the feeds on the way of each pass would gain, if each of its motions had its own [s]."""
+        known = self.moves & np.isfinite(self.feed) & (self.feed >= self.own * (1.0 + LEAST_CHANGE)) & (self.own > 0.0)
+        gains = np.zeros(len(self.way))
+        gains[known] = self.way[known] / self.own[known] - self.way[known] / self.feed[known]
+        found: Floats = np.add.reduceat(gains, self.first)
+        return found
+
     @cached_property
     def least_ratio(self) -> Floats:
         """(k,) the least ratio along each pass of a feed to the program's own; inf where none is planned.
@@ -309,14 +347,13 @@ class _BlockFeeds:
             return np.zeros(0)
         way, feeds, _ = self.pieces_of(k)
         while len(way) > 1:
-            short = int(way.argmin())
-            if way[short] >= SHORTEST_PIECE:
+            least = np.minimum(feeds[:-1], feeds[1:])
+            lost = (way[:-1] + way[1:]) / least - way[:-1] / feeds[:-1] - way[1:] / feeds[1:]
+            short = np.minimum(way[:-1], way[1:]) < SHORTEST_PIECE
+            first = int(np.where(short, lost - FIRST, lost).argmin())
+            if not short[first] and lost[first] >= PIECE_PAYS:
                 break
-            # what is too short goes with the slower of its neighbours
-            beside = [j for j in (short - 1, short + 1) if 0 <= j < len(way)]
-            to = min(beside, key=lambda j: float(feeds[j]))
-            first = min(short, to)
-            feeds[first] = min(feeds[short], feeds[to])
+            feeds[first] = least[first]
             way[first] += way[first + 1]
             way, feeds = np.delete(way, first + 1), np.delete(feeds, first + 1)
         if len(way) < 2 or self.gain(way, feeds) < WORTH:

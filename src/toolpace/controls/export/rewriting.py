@@ -163,16 +163,18 @@ class Rewriting:
     passes: Passes
     chosen: Bools
     """(k,) passes whose block gets an F of its own."""
+    able: Bools
+    """(k,) passes whose block could bear one: none of cycles, threads and statements."""
     inverse: bool
     """Whether by inverse times."""
 
     @classmethod
     def of(cls, text: ProgramText, words: FeedWords, passes: Passes, planned: Floats, inverse: bool) -> Rewriting:
         """Chosen are blocks that run once, whose motion is at feed, takes time, and can bear an F."""
-        able = np.array([False, *words.editable(text.lines)])
         block = np.where(passes.block <= len(text.lines), passes.block, 0)
-        chosen = passes.once & ~passes.rapid & ~passes.mixed & able[block] & (planned > 0.0)
-        return cls(text, words, passes, chosen, inverse)
+        able = np.array([False, *words.editable(text.lines)])[block]
+        chosen = passes.once & ~passes.rapid & ~passes.mixed & able & (planned > 0.0)
+        return cls(text, words, passes, chosen, able, inverse)
 
     @property
     def kept(self) -> Bools:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class Poses:
     tool: Ints
     """(n,) index of the shape; -1 where it has none."""
 
+    @cached_property
     def boxes(self) -> tuple[Floats, Floats]:
         """Least and most tip (blocks, 3) of each BLOCK of them, whatever the tool."""
         first = np.arange(0, len(self.tip), BLOCK)
@@ -119,13 +121,14 @@ class Surface:
         self.stock = stock
         self.swept = SweptTools(near(motion, k, poses, shapes), poses, shapes)
 
-    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0) -> Bools:
+    def in_material(self, length: Floats, angle: Floats, margin: float = 0.0, room: float = 0.0) -> Bools:
         """(m, k) whether it moves into material at lengths (m,) of the meridian [m] and angles (m, k) or (k,) [rad];
-        into that of a stock which is larger by a margin [m]."""
+        into that of a stock which is larger by a margin [m], and of which earlier tools have left more by `room` [m].
+        """
         found: Bools = self.motion.outwards(length, angle) > 0.0
         place = self.motion.place(length, angle)[found]
         inside = self.stock(place, margin)
-        inside[inside] = ~self.swept(place[inside])
+        inside[inside] = ~self.swept(place[inside], GAP + room)
         found[found] = inside
         return found
 
@@ -155,10 +158,12 @@ class Surface:
         edges = bands_of(self.shape, self.top())
         return Section(edges, self.arcs(edges.mean(axis=1)))
 
-    def seen_at(self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0) -> Bools:
+    def seen_at(
+        self, lengths: Floats, count: int, margin: float = 0.0, first: float = 0.0, room: float = 0.0
+    ) -> Bools:
         """(m, count) whether it is in material at lengths (m,), at so many angles from the first on; see
         `in_material`."""
-        return self.in_material(lengths, first + (np.arange(count) + 0.5) * TURN / count, margin)
+        return self.in_material(lengths, first + (np.arange(count) + 0.5) * TURN / count, margin, room)
 
     def arcs(self, lengths: Floats) -> tuple[tuple[int, float, float], ...]:
         """Those at lengths (m,): which, entry and exit [rad]."""
@@ -211,7 +216,7 @@ def near(motion: ToolMotion, k: int, poses: Poses, shapes: tuple[Shape, ...]) ->
     widest = np.array([shape.widest for shape in shapes] + [0.0])
     reach = np.array([shape.reach for shape in shapes] + [0.0])
     own = motion.shape
-    low, high = poses.boxes()
+    low, high = poses.boxes
     room = own.widest + own.reach + float(widest.max()) + float(reach.max())
     box = np.flatnonzero(((low <= motion.tip + room) & (high >= motion.tip - room)).all(axis=1))
     rows = (box[:, None] * BLOCK + np.arange(BLOCK)).ravel()
@@ -245,8 +250,8 @@ class SweptTools:
         self.poses = ToolPoses(poses.tip[some], poses.axis[some], poses.tool[some])
         self.groups = groups(self.poses, self.solids)
 
-    def __call__(self, place: Floats) -> Bools:
-        """(k,) which points (k, 3) one has been at."""
+    def __call__(self, place: Floats, depth: float = GAP) -> Bools:
+        """(k,) which points (k, 3) one has been at, deeper than a depth within it [m]."""
         from toolpace.kernels.judge.swept_tools import reached
 
-        return reached(place, self.poses, self.groups, self.solids, GAP)
+        return reached(place, self.poses, self.groups, self.solids, depth)

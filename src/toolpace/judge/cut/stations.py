@@ -39,7 +39,8 @@ class Seen(NamedTuple):
     everywhere: Bools
     """(slices, ANGLES) whether it is in material at all places within a cell."""
     anywhere: Bools
-    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise."""
+    """(slices, ANGLES) whether at any, of a stock that is larger by the margin of the promise, and by how well the tip
+    is known."""
 
 
 def engagement_checks(judge: CutJudge, file: File, stations: int) -> list[Check]:
@@ -242,7 +243,7 @@ def seen_within(judge: CutJudge, rows: list[int], high: float, slices: Ints, fee
             height = np.minimum((slices + share) * high, surface.shape.reach * (1.0 - 1e-9))
             lengths = surface.shape.length_at(height)
             everywhere &= surface.seen_at(lengths, ANGLES, first=begin)
-            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin, begin)
+            anywhere |= surface.seen_at(lengths, ANGLES, judge.promise.margin + judge.room, begin, judge.room)
     return Seen(everywhere, anywhere)
 
 

@@ -11,9 +11,17 @@ import math
 from typing import NamedTuple
 
 from toolpace.kernels.arrays import Floats, Ints
-from toolpace.kernels.cutting.dexels import Field, depth_at
+from toolpace.kernels.cutting.dexels import UNKNOWN, Field, depth_at, depth_at_edge
 from toolpace.kernels.cutting.revolution import radius_at
-from toolpace.kernels.cutting.thickest_chip import AXIS, FEED, LEFT, MOTION, TIP, TURNING, motion_outward, thickest
+from toolpace.kernels.cutting.thickest_chip import (
+    FAR,
+    MOTION,
+    REACH,
+    TURNING,
+    motion_outward,
+    place_on,
+    thickest,
+)
 from toolpace.kernels.jit import jit
 
 TURN = 2.0 * math.pi
@@ -24,10 +32,12 @@ LEAST_SAMPLES, MOST_SAMPLES = 12, 720
 """Of the part of a slice that moves outward."""
 APART = 2.0
 """Cells between two places that are looked at, at least: a contact that is narrower may not be seen."""
-FAR = 3.0
-"""Cells beyond which depths are cut off."""
 FULL = 1.0 - 1e-9
 """Share of the radius from which a cut reaches the side of the tool."""
+SLIM = 1e-6
+"""Angle [rad] within which an arc ends where the surface begins to move outward, or inward."""
+BESIDE = 0.1
+"""Cells beside an end of an arc at which it is looked whether an edge moves it."""
 SURE = 0.5
 """Share of a depth within which there is no border."""
 
@@ -63,15 +73,8 @@ def depth_on(
     field: Field, pose: Floats, z: float, radius: float, phi: float, most: float, ahead: int
 ) -> tuple[float, int]:
     """Depth in material of a point of the tool, and the direction that counted; see `depth_at`."""
-    a, b = radius * math.cos(phi), radius * math.sin(phi)
-    return depth_at(
-        field,
-        pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0],
-        pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
-        pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
-        most,
-        ahead,
-    )
+    x, y, w = place_on(pose, z, radius, phi)
+    return depth_at(field, x, y, w, most, ahead)
 
 
 @jit()
@@ -179,6 +182,64 @@ def slice_arcs(
 
 
 @jit()
+def end_at_edge(
+    field: Field, pose: Floats, z: float, radius: float, end: float, outwards: float, most: float, cell: float,
+    room: Floats,
+) -> float:
+    """Where an arc ends that ends at an angle by straight lines between rays: at an edge of the stock up to a cell
+    further out or in.
+
+    outwards: 1 or -1, the sense in which it leaves material; most: angle by which it may be moved.
+    """
+    for side in (outwards, -outwards):
+        # further out an edge holds material, further in it holds none
+        low, high = (0.0, UNKNOWN) if side == outwards else (-UNKNOWN, 0.0)
+        near, far = 0.0, most
+        share = min(BESIDE * cell / (max(radius, cell) * most), 1.0)
+        for _ in range(HALVINGS):
+            middle = near + share * (far - near)
+            x, y, w = place_on(pose, z, radius, end + side * middle)
+            if low < depth_at_edge(field, x, y, w, REACH * cell, room) < high:
+                near = middle
+            elif near == 0.0:
+                break
+            else:
+                far = middle
+            share = 0.5
+        if near > 0.0:
+            return end + side * 0.5 * (near + far)
+    return end
+
+
+@jit()
+def ends_at_edges(
+    field: Field, pose: Floats, z: float, radius: float, across: float, along: float, arcs: Arcs, first: int,
+    count: int, cell: float, room: Floats,
+) -> None:
+    """Move the ends of the arcs of a slice to edges of the stock, up to a cell and as far as the surface moves outward:
+    of the lowest and the highest slice, which are close to edges that go around the tool."""
+    begin, end = outward(pose, z, radius, across, along)
+    for k in range(first, count):
+        width = arcs.exit[k] - arcs.entry[k]
+        if width >= TURN - SLIM:
+            continue
+        most = min(cell / max(radius, cell), 0.25 * width)
+        before, behind = (arcs.entry[k] - begin) % TURN, (end - arcs.exit[k]) % TURN
+        if k > first:
+            before = min(before, (arcs.entry[k] - arcs.exit[k - 1]) % TURN)
+        if k + 1 < count:
+            behind = min(behind, (arcs.entry[k + 1] - arcs.exit[k]) % TURN)
+        if SLIM < before < TURN - SLIM:
+            arcs.entry[k] = end_at_edge(
+                field, pose, z, radius, arcs.entry[k], -1.0, min(most, before), cell, room
+            )
+        if SLIM < behind < TURN - SLIM:
+            arcs.exit[k] = end_at_edge(field, pose, z, radius, arcs.exit[k], 1.0, min(most, behind), cell, room)
+        turns = math.floor(arcs.entry[k] / TURN) * TURN
+        arcs.entry[k], arcs.exit[k] = arcs.entry[k] - turns, arcs.exit[k] - turns
+
+
+@jit()
 def flat_contact(
     field: Field, pose: Floats, radius: float, cell: float, least: float
 ) -> tuple[float, float, float]:
@@ -220,6 +281,7 @@ def contact(
     width, middle, growth = 0.0, 0.0, 0.0
     # where the surface moves outward the farthest: how far, angle, height and arc
     farthest, farthest_phi, farthest_z, steepest = 0.0, 0.0, 0.0, -1
+    lowest_count, of_highest = count, count
     bottom = max(int(low / slices.height - 0.5), 0)
     for j in range(bottom, min(int(high / slices.height + 0.5), last) + 1):
         first = count
@@ -229,6 +291,9 @@ def contact(
             z, radius, across, along = slices.foot[0], slices.foot[1], slices.foot[2], slices.foot[3]
             count = slice_arcs(field, pose, z, radius, across, along, j, arcs, count, cell, least)
         if count > first:
+            if lowest < 0:
+                ends_at_edges(field, pose, z, radius, across, along, arcs, first, count, cell, room)
+                lowest_count = count
             left, right, longest, phi = -2.0, 2.0, -1.0, 0.0
             for k in range(first, count):
                 a, b = arcs.entry[k], arcs.exit[k]
@@ -245,13 +310,21 @@ def contact(
                     farthest, farthest_phi, farthest_z, steepest = far, angle, z, k
             if lowest < 0:
                 lowest, low_phi, low_z = j, phi, z
-            highest, high_phi, high_z = j, phi, z
+            highest, high_phi, high_z, of_highest = j, phi, z, first
             middle = radius * (left - right)
             width = max(width, middle)
             # where it reaches the side of the tool, it grows with the tool
             sides = (1.0 if left > FULL else 0.0) + (1.0 if right < -FULL else 0.0)
             growth = max(slices.next_radius[j] - slices.radius[j], 0.0) * sides
     depth, top = 0.0, 0.0
+    if of_highest >= lowest_count:
+        z, radius, across = slices.z[highest], slices.radius[highest], slices.across[highest]
+        along = slices.along[highest]
+        ends_at_edges(field, pose, z, radius, across, along, arcs, of_highest, count, cell, room)
+        for k in range(of_highest, count):
+            angle, far = farthest_outward(pose, z, radius, across, along, arcs.entry[k], arcs.exit[k])
+            if far > farthest or k == steepest:
+                farthest, farthest_phi, farthest_z, steepest = far, angle, z, k
     if lowest >= 0:
         low, top = slices.z[lowest] - 0.5 * slices.height, slices.z[highest] + 0.5 * slices.height
         if lowest > 0:

@@ -18,8 +18,9 @@ from toolpace.kernels.jit import jit
 
 FREE, FREE_COUNT = 0, 1
 """Places of `Field.pool`."""
-STEEPEST = 3.0
-"""Cells by which the ends of two neighbouring rays differ at most where both are on one surface."""
+STEEPEST = 1.5
+"""Cells by which the ends of two neighbouring rays differ at most where both are on one surface: any surface is flatter
+than that as one of three directions sees it."""
 UNKNOWN = 1e9
 """Depth [m] where rays do not tell one."""
 
@@ -235,27 +236,29 @@ def continued(near: float, second: float, third: float, share: float, jump: floa
 @jit(inline=True)
 def about_kink(row: Floats, share: float, jump: float) -> float:
     """A depth between the middle two of six in a row: that of the surfaces on both sides, continued to where they meet,
-    where that is more than a straight line tells; past a jump, that of the nearer one."""
+    where that is more than a straight line tells; past a jump, that of the nearer one, if the other is air."""
     b, c = row[2], row[3]
     left, right = continued(b, row[1], row[0], share, jump), continued(c, row[4], row[5], 1.0 - share, jump)
-    if abs(b - c) > jump:
-        return left if abs(b) < abs(c) else right
+    if b - c > jump:
+        return left if abs(b) < abs(c) else UNKNOWN
+    if c - b > jump:
+        return right if abs(c) <= abs(b) else UNKNOWN
     between = b + (c - b) * share
     return max(between, min(left, right)) if max(left, right) < UNKNOWN else between
 
 
 @jit()
 def depth_at_edge(field: Field, x: float, y: float, z: float, most: float, room: Floats) -> float:
-    """Depth of a point in material where two surfaces meet at an edge that stands out.
+    """Depth of a point in material where two surfaces meet at an edge that stands out; UNKNOWN at the foot of a wall.
 
-    Linear interpolation cuts the edge off by up to half a cell. So in each direction the surfaces are continued from
+    Linear interpolation rounds edges off by up to half a cell. So in each direction the surfaces are continued from
     the rays beyond the four about the point (Harten, ENO schemes with subcell resolution, Journal of Computational
-    Physics 83 (1989)), and the least of the three depths along the rays counts, of directions whose rays come to an
-    end near. `room`: (2, 6) to work in.
+    Physics 83 (1989)). The point is in material where it is behind all surfaces: the least of the depths along the rays
+    counts, of directions whose rays come to an end near. `room`: (2, 6) to work in.
     """
     at = (x, y, z)
     row, rows = room[0], room[1]
-    least, sure = math.inf, 0.999 * most
+    least, sure = UNKNOWN, 0.999 * most
     for d in range(3):
         u, v = (d + 1) % 3, (d + 2) % 3
         jump = STEEPEST * field.step[d]
@@ -275,7 +278,7 @@ def depth_at_edge(field: Field, x: float, y: float, z: float, most: float, room:
         depth = about_kink(rows, fv - iv, jump)
         if abs(depth) < sure:
             least = min(least, depth)
-    return least if least < math.inf else -most
+    return least
 
 
 @jit()

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from toolpace.kernels.arrays import Floats
-from toolpace.kernels.cutting.dexels import Field, depth_at, depth_at_edge
+from toolpace.kernels.cutting.dexels import UNKNOWN, Field, depth_at, depth_at_edge
 from toolpace.kernels.cutting.revolution import radius_at
 from toolpace.kernels.jit import jit
 
@@ -21,8 +21,10 @@ TURN = 2.0 * math.pi
 TIP, AXIS, FEED, LEFT, MOTION, TURNING = 0, 1, 2, 3, 4, 5
 """Rows of a pose (6, 3): of the tool, and of the motion to it along left, feed and axis: of the tip, and the turning of
 the axis [rad] about left and feed. One array: a record of arrays costs time at each call."""
-REACH = 8.0
+FAR = 3.0
 """Cells beyond which depths are cut off."""
+REACH = 8.0
+"""The same beside edges, where surfaces are continued."""
 NEAR = 1.0
 """Cells outside of the stock, as straight lines between rays tell it, within which an edge may hold a point."""
 ABOVE = 1.5
@@ -54,18 +56,26 @@ def outward_at(pieces: Floats, pose: Floats, z: float, phi: float) -> float:
     return constant + cosine * math.cos(phi) + sine * math.sin(phi)
 
 
+@jit(inline=True)
+def place_on(pose: Floats, z: float, radius: float, phi: float) -> tuple[float, float, float]:
+    """A point of the tool at a height, a radius and an angle."""
+    a, b = radius * math.cos(phi), radius * math.sin(phi)
+    return (
+        pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0],
+        pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1],
+        pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2],
+    )
+
+
 @jit()
 def in_material(field: Field, pieces: Floats, pose: Floats, z: float, phi: float, cell: float, room: Floats) -> bool:
     """Whether the surface is in material at a height and an angle, up to the edges of the stock."""
-    radius = radius_at(pieces, z)[0]
-    a, b = radius * math.cos(phi), radius * math.sin(phi)
-    x = pose[TIP, 0] + z * pose[AXIS, 0] + a * pose[LEFT, 0] + b * pose[FEED, 0]
-    y = pose[TIP, 1] + z * pose[AXIS, 1] + a * pose[LEFT, 1] + b * pose[FEED, 1]
-    w = pose[TIP, 2] + z * pose[AXIS, 2] + a * pose[LEFT, 2] + b * pose[FEED, 2]
-    depth = depth_at(field, x, y, w, 3.0 * cell, 0)[0]
+    x, y, w = place_on(pose, z, radius_at(pieces, z)[0], phi)
+    depth = depth_at(field, x, y, w, FAR * cell, 0)[0]
     if depth > 0.0 or depth < -NEAR * cell:
         return depth > 0.0
-    return depth_at_edge(field, x, y, w, REACH * cell, room) > 0.0
+    at_edge: float = depth_at_edge(field, x, y, w, REACH * cell, room)
+    return 0.0 < at_edge < UNKNOWN
 
 
 @jit()

@@ -26,6 +26,8 @@ HALVINGS = 60
 NEAREST = 0.02
 """Share of the speed from where it touches within which a plane may pass below: next to where two lines meet it would
 have to be steep."""
+ROUNDING = 1e-10
+"""Share of a limit by which planes that are exact are above it."""
 MEETS = 1e-9
 """Share of a limit up to which two lines that meet are the largest there."""
 
@@ -49,11 +51,12 @@ def limits_at(lines: LineRows, x: Floats) -> Floats:
     return limit
 
 
-def planes_above(lines: LineRows, x: Floats, high: Floats) -> Planes:
+def planes_above(lines: LineRows, x: Floats, high: Floats, least: Floats | float = 0.0) -> Planes:
     """Planes that touch the limits at ds/dt x (points, k) and lie above them up to `high` (points, k), as far as
     samples tell: multipliers of any planes give a bound.
 
-    Of all with the value a and the slope a' of the limit at x, that with the least multiple of the pace:
+    Of all with the value a and the slope a' of the limit at x, that with the least multiple of the pace, and at least
+    `least` (points, k):
 
         max over v of (a(v) - a - a' (v^2 - x^2) / (2 x)) / (1 / v - 1 / x + (v^2 - x^2) / (2 x^3))
     """
@@ -61,16 +64,30 @@ def planes_above(lines: LineRows, x: Floats, high: Floats) -> Planes:
     value = np.where(lines.is_jerk, height / x - fall, height - fall * x)
     slope = np.where(lines.is_jerk, -height / (x * x), -fall)
     # in the limit of v = x
-    by_pace = np.where(lines.is_jerk, height, np.maximum(fall * x * x / 3.0, 0.0))
+    by_pace = np.maximum(np.where(lines.is_jerk, lines.height.max(axis=2), fall * x * x / 3.0), least)
     for share in SAMPLES:
         v = np.minimum(share * x, high) if share > 1.0 else share * x
         other = (v * v - x * x) / (2.0 * x)
         bend = 1.0 / v - 1.0 / x + other / (x * x)
         with np.errstate(divide="ignore", invalid="ignore"):
-            least = (limits_at(lines, v) - value - slope * other) / bend
-        by_pace = np.where(np.abs(v / x - 1.0) > NEAREST, np.maximum(by_pace, least), by_pace)
+            needed = (limits_at(lines, v) - value - slope * other) / bend
+        by_pace = np.where(np.abs(v / x - 1.0) > NEAREST, np.maximum(by_pace, needed), by_pace)
     by_z = (slope + by_pace / (x * x)) / (2.0 * x)
     return Planes(value - by_pace / x - by_z * x * x, by_pace, by_z)
+
+
+def lifted(lines: LineRows, planes: Planes, top: Floats) -> Planes:
+    """The planes with constants by which none is below its limit at any ds/dt up to `top` (points,)."""
+    every, one = np.arange(len(top) + 1), np.ones((len(top), 1))
+    constant = planes.constant.copy()
+    for k, is_jerk in enumerate(lines.is_jerk):
+        mine = slice(k, k + 1)
+        of_row = lines._replace(
+            column=lines.column[mine], is_jerk=np.array([is_jerk]), height=lines.height[:, mine],
+            fall=lines.fall[:, mine],
+        )  # fmt: skip
+        constant[:, k] = -least_over_choices(of_row, one, planes.by_pace[:, k], planes.by_z[:, k], top, every)
+    return planes._replace(constant=constant + ROUNDING * (1.0 + np.abs(constant)))
 
 
 def least_over_choices(

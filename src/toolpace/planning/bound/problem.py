@@ -11,7 +11,7 @@ from toolpace.common.arrays import Floats
 from toolpace.kernels.motion import cubic_spline
 from toolpace.kernels.optimal import newton, relaxation_knots, relaxation_work
 from toolpace.kernels.optimal.dual import KnotRows, dual_value, lowest_with_root
-from toolpace.planning.bound.falling_limits import least_over_choices, planes_above
+from toolpace.planning.bound.falling_limits import least_over_choices, lifted, limits_at, planes_above
 from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import relief_of
@@ -25,6 +25,8 @@ TELLS = 1e-9
 LEAST_ROOM = 0.7
 """Share of a limit that depends on the speed by which a row that the relaxation has by the pace must be inside on its
 other side, where it is held as well."""
+NEAR = 0.5
+"""Share of such a limit from which a row is held in the relaxation."""
 SETTLE_KNOTS = 30
 """Knots over which that share is reached from an end in motion."""
 PADDING = 40
@@ -49,6 +51,8 @@ class Knots:
         if self.lines is not None:
             self._take_lines(self.lines)
         self.end, self.ratio, self.fixed = problem.end, problem.ratio, problem.fixed
+        self.one_sided = np.zeros(0, dtype=np.int64)
+        """Columns of rows of which the other side is no limit: it has no multipliers."""
 
     def as_knots(self) -> KnotRows:
         """The problem as the kernels take it."""
@@ -98,31 +102,33 @@ class Knots:
         scale: Floats = np.where(self.lines.is_jerk, height, height + 1.0)
         return scale
 
-    def linear(self, c: Floats, speeds: list[Floats]) -> tuple[KnotRows, Floats]:
-        """The same for the relaxation, and (points, planes, k) the factors of `multipliers`. It gives multipliers; the
-        bound is theirs in the problem itself.
+    def within_planes(self, c: Floats, speeds: list[Floats], exact: bool = False) -> tuple[Knots, Floats]:
+        """The problem with planes for the limits that depend on the speed, and (points, planes, k) the factors of
+        `multipliers`. With `exact` they are nowhere below the limits, so that what it takes is a bound by itself;
+        else the bound is that of the multipliers in the problem itself.
 
         Near its limit at coefficients c (n + 2,) a row is one of jerk, by each plane that touches the limit at one of
         `speeds`, ds/dt (n,) at the knots:
 
             (r . u - by_z z - constant) / by_pace <= p
 
-        which holds on its other side, too, far from the plan. Elsewhere it is linear in z by the tangent of sqrt(z).
+        It holds on its other side, too: far from the plan, as the pace counts enough. Elsewhere it is left out.
         """
         lines = self.lines
         assert lines is not None
         column, half = lines.column, self.rows.shape[1] // 2
         points, none = np.diff(self.first), np.zeros(len(column))
         u = np.repeat(self.state(c), points, axis=0)
-        x = np.sqrt(u[:, :1]) + none
         value = np.einsum("pki,pi->pk", lines.rows, u)
         high = np.repeat(np.sqrt(self.cap), points)[:, None] + none
         rows, constants, factors = [], [], []
         for speed in speeds:
-            planes = planes_above(lines, np.repeat(speed, points)[:, None] + none, high)
-            limit, swing = planes.at(x), 2.0 * planes.by_pace / x
-            near = (value > limit - swing + LEAST_ROOM * np.abs(limit)) & (planes.by_pace > 0.0)
-            near &= ~lines.is_jerk | (lines.height.shape[2] > 1)
+            x = np.repeat(speed, points)[:, None] + none
+            limit = limits_at(lines, x)
+            near = (value > NEAR * limit) & (~lines.is_jerk | (lines.height.shape[2] > 1))
+            planes = planes_above(lines, x, high, np.where(near, 0.5 * x * ((1.0 + LEAST_ROOM) * limit - value), 0.0))
+            if exact:
+                planes = lifted(lines, planes, np.sqrt(self.cap)[np.repeat(np.arange(len(points)), points)])
             factor = np.where(near, 1.0 / np.where(near, planes.by_pace, 1.0), 0.0)
             by_pace = lines.rows.copy()
             by_pace[:, :, 0] -= planes.by_z
@@ -130,23 +136,21 @@ class Knots:
             constants.append(-factor * planes.constant)
             factors.append(factor)
         near = np.any(factors, axis=0)
-        height, fall = lines.chosen(x)
-        by_z, shift, root = lines.scaled(height, fall)
-        by_z = np.where(lines.is_jerk[:, None], self.rows[:, column], by_z)
-        shift = np.where(lines.is_jerk, self.shift[:, column], shift)
-        by_z[:, :, 0] += root / (2.0 * x)
         linear, shifts = self.rows.copy(), self.shift.copy()
-        linear[:, column] = np.where(near[:, :, None], 0.0, by_z)
-        shifts[:, column] = np.where(near, 0.0, shift + root * x / 2.0)
+        gone = near | ~lines.is_jerk
+        linear[:, column] = np.where(gone[:, :, None], 0.0, linear[:, column])
+        shifts[:, column] = np.where(gone, 0.0, shifts[:, column])
         more, further = np.concatenate(rows, axis=1), np.concatenate(constants, axis=1)
         nothing = np.zeros_like(more)
         whole = np.concatenate([linear[:, :half], nothing, linear[:, half:], more], axis=1)
         shifts = np.concatenate([shifts[:, :half], nothing[:, :, 0], shifts[:, half:], further], axis=1)
-        knots = self.as_knots()._replace(rows=whole, shift=shifts, root=np.empty((0, 0)))
-        return knots, np.stack(factors, axis=1) * self._scale()[:, None]
+        part = copy(self)
+        part.rows, part.shift, part.root, part.lines = whole, shifts, np.empty((0, 0)), None
+        part.one_sided = np.arange(whole.shape[1] - more.shape[1], whole.shape[1])
+        return part, np.stack(factors, axis=1) * self._scale()[:, None]
 
     def multipliers(self, found: Floats, factors: Floats) -> Floats:
-        """(points, rows, 2) those of the rows from those of `linear`."""
+        """(points, rows, 2) those of the rows from those of `within_planes`."""
         assert self.lines is not None
         half, more = self.rows.shape[1] // 2, factors.shape[1] * factors.shape[2]
         out = np.concatenate([found[:, :half], found[:, half + more : 2 * half + more]], axis=1)
@@ -160,7 +164,8 @@ class Knots:
         """(points, rows) value of the rows, constants with them, at z, z', z'' (n, 3)."""
         at_point = np.repeat(u, np.diff(self.first), axis=0)
         value: Floats = np.einsum("pri,pi->pr", self.rows, at_point)
-        return value + self.shift + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
+        value = value + self.shift if len(self.shift) else value
+        return value + self.root * np.sqrt(at_point[:, :1]) if len(self.root) else value
 
     def state(self, c: Floats) -> Floats:
         """(n, 3) z, z', z'' at the knots."""
@@ -229,7 +234,8 @@ class Knots:
         for j in range(3):
             np.add.at(part.price, place + j, (basis[:, :, j] * force).sum(axis=1) + basis[:, 0, j] * of_z)
         part.weight[priced] = np.maximum(worth, 0.0)
-        part.rows = part.rows[~np.repeat(priced, np.diff(part.first))]
+        kept = ~np.repeat(priced, np.diff(part.first))
+        part.rows, part.shift = part.rows[kept], part.shift[kept] if len(part.shift) else part.shift
         part.first = np.concatenate([[0], np.cumsum(np.where(priced, 0, np.diff(part.first)))])
         return part
 
@@ -245,7 +251,8 @@ class Knots:
         part.first = self.first[low : high + 2] - self.first[low]
         part.basis, part.weight = self.basis[low : high + 1], self.weight[low : high + 1].copy()
         part.price, part.cap = self.price[low : high + 3].copy(), self.cap[low : high + 1].copy()
-        part.rows = self.rows[self.first[low] : self.first[high + 1]]
+        mine = slice(self.first[low], self.first[high + 1])
+        part.rows, part.shift = self.rows[mine], self.shift[mine] if len(self.shift) else self.shift
         part.end = np.where(ends, self.end, newton.MOVING)
         part.fixed = np.where(np.repeat(ends, 2), self.fixed, c[[low, low + 1, high + 1, high + 2]])
         for place in np.array([0, -1])[~ends]:

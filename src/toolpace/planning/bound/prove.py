@@ -116,16 +116,19 @@ def prove_run(
 ) -> Bound:
     """The bound of a run's plan, raised until the gap is at most `target` or the allowance is spent.
 
-    Where limits depend on the speed it is as the plan has it. Place by place: the multipliers may change in a part
-    around it; what lies outside is priced by those found. So
-    what is gained at places whose parts do not overlap adds up.
+    Place by place: the multipliers may change in a part around it; what lies outside is priced by those found. So
+    what is gained at places whose parts do not overlap adds up. Limits that depend on the speed are those of planes
+    above them that touch them at the plan: in a narrow range both are the same.
     """
     workers = workers or Workers()
-    if limits.depend_on_speed:
-        return bound_long_run(run, limits, law, start, end, workers)
     problem = problem_of(run, limits, law, start, end)
     knots, c = Knots(problem), coefficients(law)
-    found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
+    found, least = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap), 0.0
+    if knots.lines is not None:
+        least = found.value
+        speeds = [np.sqrt(np.minimum(knots.state(each)[:, 0], knots.cap)) for each in (c, found.c)]
+        knots, _ = knots.within_planes(c, speeds, exact=True)
+        found = relaxed(knots, c, np.zeros_like(knots.cap), knots.cap)
     dual = settled(knots, found.dual)
     pace = knots.state(c)[:, 0] ** -0.5
     planned = float(knots.weight @ pace)
@@ -146,7 +149,7 @@ def prove_run(
         value += gained
         places.append((law.nodes[place.first], law.nodes[place.last], place.open - gained))
     kept = np.array(places).reshape(-1, 3)
-    return Bound(law.duration, planned, max(value, found.value), kept, found.steps)
+    return Bound(law.duration, planned, max(value, found.value, least), kept, found.steps)
 
 
 def part_around(knots: Knots, place: Place, found: Relaxation, dual: Floats, clock: Floats) -> Part:

@@ -157,6 +157,9 @@ def relaxed(
     value, multipliers, wait, steps = relaxation.relax(
         knots.as_knots(), low, high, start, relief, tolerance, enough, MOST_STEPS
     )
+    if len(knots.one_sided):
+        multipliers[:, knots.one_sided, 1] = 0.0
+        value = knots.value(multipliers, low, high)
     return Relaxation(value, multipliers, wait, start, steps)
 
 
@@ -170,9 +173,11 @@ def relaxed_over_lines(
     found: list[Relaxation] = []
     speeds = [np.sqrt(knots.state(c)[:, 0])]
     for _ in range(TOUCHED):
-        linear, factors = knots.linear(c, speeds)
+        within, factors = knots.within_planes(c, speeds)
         start = begin[0].copy()
-        _, dual, wait, steps = relaxation.relax(linear, low, high, start, begin[1], tolerance, np.inf, MOST_STEPS)
+        _, dual, wait, steps = relaxation.relax(
+            within.as_knots(), low, high, start, begin[1], tolerance, np.inf, MOST_STEPS
+        )
         dual = knots.multipliers(dual, factors)
         found.append(Relaxation(knots.value(dual, low, high), dual, wait, start, steps))
         speeds.append(np.sqrt(np.minimum(knots.state(start)[:, 0], knots.cap)))

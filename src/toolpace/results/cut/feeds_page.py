@@ -79,6 +79,7 @@ class FeedProgram(Protocol):
     def divided(self) -> int: ...
     @property
     def above(self) -> tuple[int, ...]: ...
+    def told(self, most: int) -> list[str]: ...
 
 
 class NewFeeds(Protocol):
@@ -213,9 +214,7 @@ def _notes(found: NewFeeds) -> str:
         what = "however slow, the load" if each.always else "the feed of the program"
         place = f"line {each.line}, tool {each.tool}"
         sentences.append(f"{place}: {what} is {each.share:.3g} times what {each.limit} allows")
-    if found.written.above:
-        lines = ", ".join(map(str, found.written.above[:LISTED]))
-        sentences.append(f"faster than allowed, since their motions have no single F: lines {lines}")
+    sentences += found.written.told(LISTED)
     items = "".join(f"<li>{escape(printable(each))}</li>" for each in sentences)
     return f'<section class="panel"><h2>Notes</h2><ul>{items}</ul></section>' if items else ""
 

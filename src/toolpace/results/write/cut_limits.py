@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from toolpace.cutting.feeds.rules import FeedRules
     from toolpace.programs.reading.coordinates.setup import SetUp
     from toolpace.programs.spindle_figures import SpindleFigures
+    from toolpace.programs.stock_figures import StockFigures
     from toolpace.programs.tool_figures import ToolFigures
     from toolpace.programs.toolpath import ToolPath
 
@@ -121,14 +122,22 @@ def input_digests(toolpath: ToolPath, setup: SetUp) -> dict[str, str]:
             found[f"tool {operation.tool}"] = _digest(replace(tool, source="", assumed=()))
     stock = setup.workpiece.stock or toolpath.workpiece.stock
     if stock is not None:
-        mesh = stock.solid.mesh
-        try:
-            data = b"" if mesh is None else mesh.read_bytes()
-        except OSError:
-            data = b""  # what reads it says so
-        solid = replace(stock.solid, mesh=None, box=((0.0,) * 3, (1.0,) * 3)) if mesh is not None else stock.solid
-        found["stock"] = _digest(replace(stock, solid=replace(solid, source="")), data)
+        found["stock"] = _digest(*_parts_of(stock))
     return found
+
+
+def _parts_of(stock: StockFigures) -> tuple[object, bytes]:
+    """Its figures but for the place of its mesh, and the bytes of that."""
+    solid = stock.solid
+    if solid.mesh is None:
+        return replace(stock, solid=replace(solid, source="")), b""
+    try:
+        data = solid.mesh.read_bytes()
+    except OSError:
+        data = b""  # what reads it says so
+    unit = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    placed = replace(solid, mesh=None, mesh_unit="", box=unit, source="")
+    return (replace(stock, solid=placed), solid.mesh_unit), data
 
 
 def _digest(figures: object, data: bytes = b"") -> str:

@@ -104,15 +104,18 @@ def other_inputs(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp) -> I
 
 def other_promise(record: CutLimitsRecord, stated: StatedPromise) -> Iterator[str]:
     """What is not as it was stated, a sentence each."""
-    if stated.limits is not None:
-        tools = sorted({*record.limits, *stated.limits})
-        for tool in tools:
-            own, right = record.limits.get(tool, {}), stated.limits.get(tool, {})
-            for name in sorted({*own, *right}):
-                if own.get(name) != right.get(name):
-                    whose = f" of tool {tool}" if tool else ""
-                    words = [f"{limits[name]:.6g}" if name in limits else "none" for limits in (own, right)]
-                    yield f"{name}{whose} is {words[0]} in the plan and {words[1]} as stated (SI)"
+    from toolpace.judge.cut import UNITS
+    from toolpace.judge.verification import Check
+
+    limits = stated.limits if stated.limits is not None else record.limits
+    for tool in sorted({*record.limits, *limits}):
+        own, right = record.limits.get(tool, {}), limits.get(tool, {})
+        for name in sorted({*own, *right}):
+            if own.get(name) != right.get(name):
+                shown = Check(name, 0.0, 0.0, UNITS[name], False).show
+                words = [shown(each[name]) if name in each else "not limited" for each in (own, right)]
+                whose = f" of tool {tool}" if tool else ""
+                yield f"{name.replace('_', ' ')}{whose} is {words[0]} in the plan, and {words[1]} as it was stated"
     if stated.coefficients is not None and record.materials.get("") != msgspec.to_builtins(stated.coefficients):
         yield "the coefficients of the material are not those of the material that is stated"
 
@@ -155,6 +158,8 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
         resolution=cell,
         margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
         spindle=record.spindle,
+        finishing=record.finishing,
+        uncertainty=0.0 if stock is None else stock.uncertainty,
     )
 
 
