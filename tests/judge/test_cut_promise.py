@@ -21,8 +21,9 @@ from toolpace.cutting.forces.engaged_deflection import with_engaged_deflection
 from toolpace.cutting.forces.material import Material
 from toolpace.cutting.simulation import simulate_cut
 from toolpace.cutting.tool_file import tool_of_bytes
-from toolpace.judge.cut import Bent, CutJudge, allowed_check, limit_checks, reached_checks, speed_check
+from toolpace.judge.cut import Bent, CutJudge, allowed_check, finishing_check, limit_checks, reached_checks, speed_check
 from toolpace.judge.cut.stations import columns_check, covered_check, passed_again, passed_stations
+from toolpace.judge.cut.stocks import box_stock
 from toolpace.machine.cutting_tool import Coefficients
 from toolpace.programs.reading.setup_file import setup_of_text
 from toolpace.programs.spindle_figures import SpeedCurve, SpindleFigures
@@ -40,7 +41,7 @@ def planned():
     """Set-points, the arrays of the file, and what plan.json says of a slot whose chips have a limit."""
     plan = limited_slot()
     data = cut_bytes(plan)
-    record = cut_record(plan, FeedRules("limits", limits={"": CutLimits(chip=SLOT.chip)}), data, SETUP)
+    record = cut_record(plan, FeedRules("limits", finishing=True, limits={"": CutLimits(chip=SLOT.chip)}), data, SETUP)
     return plan.plan.trajectory.sample(2e-3), cut_arrays(data), record
 
 
@@ -140,6 +141,16 @@ def test_the_power_of_the_spindle_is_held_at_its_speed():
     assert not check.ok and check.what == "power of the cut" and check.limit == pytest.approx(0.94 * power)
     judge = judge_of(changed(limits={}), spindle={"power": curve})
     assert not limit_checks(judge, judge.instants(3)), "without a material no power is known"
+
+
+@pytest.mark.parametrize("larger", [0.0, 0.4e-3])
+@pytest.mark.parametrize("deep, wide, ok", [(2e-3, 5e-3, True), (3e-3, 5e-3, False), (2e-3, 8e-3, False)])
+def test_speed_that_is_raised_beside_what_stays_is_found(deep, wide, ok, larger):
+    """A slot of 10 mm, 2 mm deep: in a plate as thick and as wide as that nothing stays."""
+    plate = box_stock(np.array([0.0, -wide, -deep]), np.array([40e-3, wide, 0.0]), larger)
+    judge = judge_of(planned()[2], stock=plate, uncertainty=larger, finishing=False)
+    middle = judge.moving[np.abs(judge.tip[judge.moving, 0] - 20e-3) < 12e-3]
+    assert finishing_check(judge, middle).ok is ok
 
 
 def with_tool(**figures):

@@ -13,7 +13,7 @@ from toolpace.common.units import DEGREE, MILLIMETRE, format_angle, format_lengt
 from toolpace.common.value_objects import counted
 from toolpace.judge.figures import AS_SAID, DEFAULT_AXIS_DEG, DEFAULT_TIP_MM
 from toolpace.machine.limit_curves import CURVE
-from toolpace.machine.limits import KINDS, MOTORS
+from toolpace.machine.limits import CONTINUOUS, KINDS, MOTORS
 from toolpace.motion.set_point_files import COMPACT_FILE, FULL_FILE, full_size
 from toolpace.planning.limit_tolerances import PROMISED
 from toolpace.programs.tolerances import TIGHTER
@@ -150,6 +150,8 @@ def limit_in_words(name: str) -> str:
     kind, _, joint = name.partition(" ")
     if name == "nothing":
         return "no limit reached"
+    if name.startswith(CONTINUOUS):
+        return CONTINUOUS + limit_in_words(name.removeprefix(CONTINUOUS))
     if kind in KINDS and joint.startswith(CURVE):
         return f"{kind} of {joint.removeprefix(CURVE)} at its speed"
     return f"{kind} of {joint}" if kind in (*KINDS, *MOTORS) else name

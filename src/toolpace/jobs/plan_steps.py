@@ -20,6 +20,8 @@ from toolpace.common.units import format_length, format_time
 from toolpace.common.value_objects import counted
 from toolpace.jobs import TimedSteps, motion_cut
 from toolpace.jobs.job import Job, holds_all, loaded, program_name, refuse_without_room, with_tolerances_in
+from toolpace.machine.limits import CONTINUOUS
+from toolpace.motion.active_limits import BINDING
 from toolpace.planning.limit_tolerances import PROMISED
 
 if TYPE_CHECKING:
@@ -226,6 +228,9 @@ def with_proof(job: Job, steps: TimedSteps, trajectory: Trajectory) -> Trajector
 def priced(job: Job, steps: TimedSteps, trajectory: Trajectory) -> dict[str, float]:
     """What one percent more of each limit would gain [s]; nothing where that was not asked for."""
     if not job.prices:
+        return {}
+    if any(name.startswith(CONTINUOUS) and share >= BINDING for name, share in trajectory.usage().rows.items()):
+        steps.say("no prices: the motion was slowed for the continuous rating of a motor, which has none")
         return {}
     with steps.step("pricing") as step:
         prices = trajectory.prices()

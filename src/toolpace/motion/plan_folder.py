@@ -19,7 +19,9 @@ import numpy as np
 from toolpace.common.arrays import Floats, Ints
 from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import changed, is_folder, reason
+from toolpace.machine.limits import CONTINUOUS
 from toolpace.machine.machine import Machine
+from toolpace.motion.continuous_torque import rated_torques
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
@@ -125,7 +127,7 @@ class PlanFolder(NamedTuple):
     jerk: dict[str, float]
     """Peak value over limit, inf where no number bounds it."""
     motor: dict[str, float]
-    """By the name of the limit, "torque A"."""
+    """By the name of the limit, "torque A", and of its continuous rating, "continuous torque A"."""
     curves: dict[str, float]
     """The same of limits that fall with the speed, by name."""
 
@@ -158,6 +160,8 @@ def read_plan_folder(place: str | os.PathLike[str], exact: bool = False) -> Plan
         usage, duration = record["usage"], float(record["duration_s"])
         of_motors = dict(usage.get("motor", {}))
         motor = {rows.name: float(of_motors[rows.name.partition(" ")[2]]) for rows in machine.limits.rows}
+        for rows in rated_torques(machine.limits):
+            motor[CONTINUOUS + rows.name] = float(usage["continuous"][rows.name.partition(" ")[2]])
         jerk = {joint: math.inf if value is None else value for joint, value in usage["jerk"].items()}
         if not exact:
             path = recorded_path(points, machine, duration, program_of(folder, machine, record))

@@ -8,7 +8,7 @@ weight and friction take, and one that takes more time for all.
               of each motor above its rating, or eased by more than it must be:
                   the share of what weight and friction leave, by the secant of the mean square beyond these
               the fastest motion within these shares                                  (JointTorque.eased: a row each)
-    until     each motor that is eased uses its rating nearly, or the candidates get no faster
+    until     each motor that is eased uses its rating nearly, or a candidate is no faster
     the fastest candidate
 
 Of any motion that keeps the ratings the bound of the first motion is true as well. What is found is not the optimum:
@@ -32,8 +32,8 @@ KEPT, ENOUGH = 0.9995, 0.997
 """Shares of a rating that a motion may use, and from which a motor need not be eased less."""
 AIM = 0.9985
 MOST_PLANS = 12
-IN_VAIN = 2
-"""Motions, one after the other, that bring no faster candidate, after which the fastest is taken."""
+IN_VAIN = 1
+"""Motions that bring no faster candidate after which the fastest is taken."""
 EXPONENTS = (0.5, 3.0)
 """Of the mean square beyond weight and friction over the share: the least and the largest that is reckoned with."""
 STEP = 6.0
@@ -118,7 +118,7 @@ def within_ratings(first: Trajectory, planned: Callable[[Limits], Trajectory]) -
     note = f"slowed for {names}: not the fastest that keeps it; the bound is of motions that need not"
     return replace(
         best, lower_bound=first.lower_bound, notes=(*best.notes, note), solve_seconds=found.solve_seconds,
-        pricing=no_prices,
+        open_places=(), pricing=no_prices,
     )  # fmt: skip
 
 
@@ -161,6 +161,12 @@ def slowed_down(found: Trajectory, factor: float) -> Trajectory | None:
 def eased_limits(limits: Limits, motors: list[Easing]) -> Limits:
     """The limits with a row for each motor that is eased."""
     return replace(limits, rows=(*limits.rows, *(m.rows.eased(m.share) for m in motors if m.share < 1.0)))
+
+
+def unrated(limits: Limits) -> Limits:
+    """The limits without continuous ratings, the torques as they are."""
+    rows = [replace(rows, rating=None) if isinstance(rows, JointTorque) else rows for rows in limits.rows]
+    return replace(limits, rows=tuple(rows))
 
 
 def not_kept(motor: Easing) -> str:

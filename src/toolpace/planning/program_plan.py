@@ -25,11 +25,15 @@ import numpy as np
 from toolpace.common.errors import InfeasibleError, ReachError, UsageError, did_you_mean
 from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import Progress
+from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
+from toolpace.motion.continuous_torque import rated_torques
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances
 from toolpace.path.path import Path
+from toolpace.planning.continuous_torque import unrated, within_ratings
+from toolpace.planning.optimal.planner import Optimal
 from toolpace.planning.path_and_pace.alternating import (
     BROAD,
     SHARP,
@@ -260,8 +264,23 @@ def plan_fitted(
     `check` is given the joints along a path before they are planned, and raises ReachError where these will not do.
     Raises as `check` and `plan` do of the first path, where no other will do.
     """
-    total = Progress(progress or (lambda share: None))
     chosen = planner_of(planner, {})
+    found = fastest_plan(fitted, machine, chosen, Progress(progress or (lambda share: None)), check)
+    if not isinstance(chosen, Optimal) or not rated_torques(found.trajectory.limits):
+        return found
+    quick, path = replace(chosen, bound=False), found.trajectory.axis_path
+
+    def within(limits: Limits) -> Trajectory:
+        return replace(plan(path, unrated(limits), planner=quick), limits=limits)
+
+    # paths are compared by motions that need not keep the continuous ratings of motors
+    return replace(found, trajectory=within_ratings(found.trajectory, within))
+
+
+def fastest_plan(
+    fitted: FittedProgram, machine: Machine, chosen: Planner, total: Progress, check: Callable[[AxisPath], None]
+) -> ProgramPlan:
+    """The whole plan on the path that is the fastest within all limits at each instant; as `plan_fitted`."""
     changed = changed_plan(fitted, machine, check, total.part(0.0, CHANGED))
     if changed is not None and changed.trajectory.duration <= fitted.candidates[0].hoped:
         total(1.0)

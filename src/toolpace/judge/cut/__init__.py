@@ -35,6 +35,8 @@ SPEED = 1e-4
 """Share of a speed by which set-points may pass it, as all limits."""
 THIN = 0.05
 """Share of a cell: what is cut thinner on the mean counts as air."""
+STAYING = 5
+"""Points of a tool that may be beside what stays: cells do not tell less of it."""
 STEADY, REACHED = 5, 0.97
 """Places at which it is looked whether a limit that sets the speed is reached, and the share that must be: cells may
 tell an engagement too high."""
@@ -107,6 +109,8 @@ def cut_checks(judge: CutJudge, file: CutFile, instants: int, stations: int) -> 
         checks.append(air_check(judge, judge.instants(instants, rows=raised)))
     if promise.feeds == "learned":
         checks.append(learned_check(judge, judge.instants(instants, rows=raised)))
+    if not promise.finishing:
+        checks.append(finishing_check(judge, raised))
     return [*checks, allowed_check(judge, file, stations), *reached_checks(judge, file), speed_check(judge, file)]
 
 
@@ -158,6 +162,22 @@ def learned_check(judge: CutJudge, found: Sequence[Instant]) -> Check:
         return Check(what, 0.0, limit, "", True)
     worst, share = worst_of(judge, found, lambda at: share_of_teacher(judge.promise, at), limit)
     return Check(what, share, limit, "", share <= limit, worst.time, worst.block)
+
+
+def finishing_check(judge: CutJudge, raised: Ints) -> Check:
+    """Whether nowhere a surface that stays is beside the tool where the tip is faster than the program's feed."""
+    worst = Check("surface that stays, above the feed", 0.0, STAYING, "", True, note="points of the tool beside it")
+    chosen = np.random.default_rng(len(raised)).permutation(raised)[:STATIONS]
+    for row in np.sort(chosen).tolist():
+        count = judge.staying(row)
+        if count > STAYING:
+            count = min(judge.staying(each) for each in judge.rows_near(row, judge.promise.resolution))
+        if count > worst.value:
+            time, block = float(judge.points.t[row]), int(judge.points.block[row])
+            worst = Check(worst.what, count, STAYING, "", count <= STAYING, time, block, note=worst.note)
+        if not worst.ok:
+            break
+    return worst
 
 
 def allowed_check(judge: CutJudge, file: CutFile, stations: int) -> Check:

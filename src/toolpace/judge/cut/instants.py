@@ -14,7 +14,7 @@ import numpy as np
 
 from toolpace.common.arrays import Bools, Floats, Ints
 from toolpace.judge.cut.beam import ToolBeam
-from toolpace.judge.cut.sections import Poses, Section, Surface, ToolMotion
+from toolpace.judge.cut.sections import Poses, Section, Surface, SweptTools, ToolMotion, near
 from toolpace.judge.cut.shapes import Shape, shape_of
 from toolpace.judge.cut.stocks import Stock
 from toolpace.judge.cut.turning import Cutting, loads_of
@@ -27,6 +27,8 @@ CLOSE = 0.1e-3
 """Most between two poses of the swept tools [m]: a mill of 2 mm leaves ridges of a micrometre between them."""
 NEAR = 4
 """Places on each side of one at which a cut is looked at that is known to a cell."""
+HEIGHTS, AROUND, BESIDE = 24, 48, 0.3
+"""Of a tool's surface at which it is looked for material that stays, and how far outside it, as a share of a cell."""
 STANDS = 1e-9
 """Less than that the tip does not move from one set-point to the next but one [m]."""
 
@@ -53,6 +55,11 @@ class CutPromise:
     """By how much more than the stock its cells may be in material: by one, where it is grown by an uncertainty [m]."""
     spindle: Mapping[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
     """Most power [W] and torque [N m] that the spindle gives, over turns per second [1/s]: by the name of the limit."""
+
+    finishing: bool = True
+    """Whether speeds may be raised where a surface is made that stays."""
+    uncertainty: float = 0.0
+    """By how much `stock` is larger than the one that is told [m]."""
 
     def limits_of(self, tool: str, turns: float) -> dict[str, float]:
         """Those of a tool at turns of the spindle per second [1/s]: its own, and what the spindle gives where forces
@@ -227,6 +234,22 @@ class CutJudge:
         assert self.promise.stock is not None
         before = int(np.searchsorted(self.row, row, side="left"))
         return Surface(motion, before, self.poses, self.shapes, self.promise.stock)
+
+    def staying(self, row: int) -> int:
+        """How many points of the tool's surface at a set-point have material close outside them that stays to the end.
+        """
+        motion = self.surface(row).motion
+        shape, share = motion.shape, (np.arange(HEIGHTS) + 0.5) / HEIGHTS
+        # closer to each other near the end, where most is cut
+        of_flat = shape.flat * share if shape.flat > 0.0 else share[:0]
+        length = np.concatenate([of_flat, shape.flat + (shape.length - shape.flat) * share**2])
+        angle, kappa = (np.arange(AROUND) + 0.5) * 2.0 * math.pi / AROUND, shape.at(length)[2][:, None, None]
+        outwards = np.sin(kappa) * motion.direction(angle) - np.cos(kappa) * motion.axis
+        place = (motion.place(length, angle) + BESIDE * self.promise.resolution * outwards).reshape(-1, 3)
+        assert self.promise.stock is not None
+        place = place[self.promise.stock(place, -self.promise.uncertainty)]
+        after = near(motion, len(self.poses.tip), self.poses, self.shapes)
+        return int((~SweptTools(after, self.poses, self.shapes)(place)).sum())
 
     def tool_at(self, row: int) -> str:
         """The tool of a set-point, as the program calls it."""

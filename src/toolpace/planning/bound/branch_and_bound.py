@@ -28,6 +28,8 @@ KNOT_RAMPS = 2.0
 up."""
 OPEN = 0.02
 """Share of the longest wait from which a knot is asked for its range."""
+OPEN_BELOW_PLANES = 0.2
+"""The same where planes stand for limits that depend on the speed: there many knots wait, and a fifth does as well."""
 FIRST_UP, FIRST_DOWN = 1.02, 0.67
 """Speeds, as multiples of the relaxation's, from which it is first asked whether the best could lie beyond."""
 NEXT_UP, NEXT_DOWN = 0.3, 0.5
@@ -193,7 +195,8 @@ def tightened(part: Part, piece: Box, wanted: float, until: float, ramp: float, 
 def open_knots(knots: Knots, piece: Box) -> Ints:
     """The knots that wait longest, and their neighbours."""
     seconds = knots.weight * piece.found.wait * knots.has_rows()
-    is_open: npt.NDArray[np.bool_] = seconds > OPEN * seconds.max()
+    share = OPEN_BELOW_PLANES if len(knots.one_sided) else OPEN
+    is_open: npt.NDArray[np.bool_] = seconds > share * seconds.max()
     is_open[1:] |= is_open[:-1].copy()
     is_open[:-1] |= is_open[1:].copy()
     return np.flatnonzero(is_open)

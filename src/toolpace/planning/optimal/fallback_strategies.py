@@ -44,6 +44,8 @@ KNOTS_A_NODE = 120
 
 One round over bends next to each other, a whole program long, takes 80 to 100, a finer mesh several times as long.
 """
+KNOTS_OVER_SPEED = 600
+"""The same where limits depend on the speed: the planes for them are loose over long stretches."""
 PARTS = 4
 """Into how many the cells are cut about which the gap lies."""
 START_LOSS, START_SPREAD = 0.1, 0.1
@@ -98,7 +100,8 @@ def fallback_plan(
     if fixed:
         return first, (f"{notes[0]}; the mesh is kept as it was given",)
     best, proved = first, None
-    ways = ("proof", "mesh", "proof") if opening.stands > 0.5 else ("mesh", "proof")
+    loose = opening.stands > 0.5 or limits.depend_on_speed
+    ways = ("proof", "mesh", "proof") if loose else ("mesh", "proof")
     astray = first.law.duration > (1.0 + FAR) * at_nodes
     for way in ("fewer cells", *ways) if astray else (*ways, "fewer cells"):
         if way == "mesh":
@@ -146,7 +149,8 @@ def with_proof(
     run: AxisRun, limits: Limits, plan: Plan, start: EndState, end: EndState, workers: Workers
 ) -> tuple[Plan, str]:
     """The plan with its bound proved as far as is worth it, and what that says of the bound."""
-    allowance = Allowance(knots=KNOTS_A_NODE * len(plan.law.nodes))
+    knots = KNOTS_OVER_SPEED if limits.depend_on_speed else KNOTS_A_NODE
+    allowance = Allowance(knots=knots * len(plan.law.nodes))
     bound = prove_run(run, limits, plan.law, FAR, allowance, start, end, workers)
     proved = Plan(plan.law, bound if bound.gap < plan.bound.gap else plan.bound)
     if bound.gap < CLOSED * plan.bound.gap:

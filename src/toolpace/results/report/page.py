@@ -217,7 +217,7 @@ def _usage(trajectory: Trajectory, units: list[str]) -> str:
             motor = motors[joint]
             text = f"of {four_digits(motor.limit)} {motor.unit}"
             if CONTINUOUS + motor.name in usage.rows:
-                text += f", {percent(usage.rows[CONTINUOUS + motor.name])} of what it bears continuously"
+                text += f", rms {percent(usage.rows[CONTINUOUS + motor.name])}"
             cells.append(_used(j, usage.rows[motor.name], text))
         elif motors:
             cells.append("<td><small>no limit</small></td>")

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from toolpace.machine.limit_curves import CURVE, CurvedLimit
-from toolpace.machine.limits import KINDS, MOTORS
+from toolpace.machine.limits import CONTINUOUS, KINDS, MOTORS
 from toolpace.machine.machine import Machine
 
 WORTH_A_WORD = 1e-3
@@ -28,6 +28,8 @@ _JOINTS = ("#2f6fed", "#f0862b", "#8a4fd8", "#d6336c", "#0c9bb3", "#7a8a1a", "#8
 """Colours of the joints, in turn."""
 OF_A_CURVE = 0.16
 """How much white is mixed into the colour of a joint's limit that falls with its speed."""
+CONTINUOUSLY = 0.45
+"""The same of a motor's continuous rating."""
 _LIGHTER = {"velocity": 0.62, "acceleration": 0.32, "jerk": 0.0, "force": 0.16, "torque": 0.16}
 """How much white is mixed into the colour of a joint's limit."""
 
@@ -44,6 +46,8 @@ def colours(joints: tuple[str, ...], curves: Sequence[CurvedLimit] = ()) -> dict
     for kind in (*KINDS, *MOTORS):
         for j, joint in enumerate(joints):
             found[f"{kind} {joint}"] = _paler(joint_colour(j), _LIGHTER[kind])
+            if kind in MOTORS:
+                found[f"{CONTINUOUS}{kind} {joint}"] = _paler(joint_colour(j), CONTINUOUSLY)
     for curve in curves:
         found[curve.name] = _paler(joint_colour(joints.index(curve.joint)), OF_A_CURVE)
     return found
@@ -61,6 +65,9 @@ def limit_words(name: str) -> str:
     whole = {"feed": "Programmed feed", "nothing": "No limit reached", "dwell": "Dwell"}
     kind, _, joint = name.partition(" ")
     of_cut = name.capitalize()
+    if name.startswith(CONTINUOUS):
+        kind, _, of = joint.partition(" ")
+        return f"{CONTINUOUS.capitalize()}{kind} of {of}"
     if kind in KINDS and joint.startswith(CURVE):
         return f"{kind.capitalize()} of {joint.removeprefix(CURVE)} at its speed"
     return whole.get(name) or (f"{kind.capitalize()} of {joint}" if kind in (*KINDS, *MOTORS) else of_cut)

@@ -158,6 +158,8 @@ def promise_of(record: CutLimitsRecord, toolpath: ToolPath, setup: SetUp, machin
         resolution=cell,
         margin=cell if stock is not None and stock.uncertainty > 0.0 else 0.0,
         spindle=record.spindle,
+        finishing=record.finishing,
+        uncertainty=0.0 if stock is None else stock.uncertainty,
     )
 
 
