@@ -230,9 +230,7 @@ def ends_at_edges(
         if k + 1 < count:
             behind = min(behind, (arcs.entry[k + 1] - arcs.exit[k]) % TURN)
         if SLIM < before < TURN - SLIM:
-            arcs.entry[k] = end_at_edge(
-                field, pose, z, radius, arcs.entry[k], -1.0, min(most, before), cell, room
-            )
+            arcs.entry[k] = end_at_edge(field, pose, z, radius, arcs.entry[k], -1.0, min(most, before), cell, room)
         if SLIM < behind < TURN - SLIM:
             arcs.exit[k] = end_at_edge(field, pose, z, radius, arcs.exit[k], 1.0, min(most, behind), cell, room)
         turns = math.floor(arcs.entry[k] / TURN) * TURN
@@ -345,7 +343,5 @@ def contact(
     arc = arcs.entry[steepest], arcs.exit[steepest]
     # angles of an arc are within one turn
     farthest_phi += TURN * round((0.5 * (arc[0] + arc[1]) - farthest_phi) / TURN)
-    farthest = thickest(
-        field, pieces, pose, farthest_z, slices.height, arc, farthest_phi, farthest, cell, room
-    )
+    farthest = thickest(field, pieces, pose, farthest_z, slices.height, arc, farthest_phi, farthest, cell, room)
     return count, width, depth, top, flat, farthest / step

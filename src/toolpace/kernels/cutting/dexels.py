@@ -243,8 +243,10 @@ def about_kink(row: Floats, share: float, jump: float) -> float:
         return left if abs(b) < abs(c) else UNKNOWN
     if c - b > jump:
         return right if abs(c) <= abs(b) else UNKNOWN
-    between = b + (c - b) * share
-    return max(between, min(left, right)) if max(left, right) < UNKNOWN else between
+    between: float = b + (c - b) * share
+    if left < UNKNOWN and right < UNKNOWN:
+        between = max(between, min(left, right))
+    return between
 
 
 @jit()
