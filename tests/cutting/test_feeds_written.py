@@ -256,6 +256,22 @@ def test_cutter_location_data_keep_the_unit_of_their_feeds():
     assert np.allclose(written.toolpath.most_speed[1:][~toolpath.rapid[1:]], feeds[1:][~toolpath.rapid[1:]])
 
 
+@pytest.mark.parametrize("share", [0.5, 0.6180339887])
+def test_pieces_have_points_and_digits_that_controls_take(share):
+    text = "%\nO1234\nG21 G90 G54\nG0 X-100. Y0. Z5.\nG1 X300. Y40. F600.\nM30\n%\n"
+    machine, options = tp.Machine.load("xyzac-trunnion"), ReadOptions(controller=tp.Controller.load("fanuc"))
+    toolpath = tp.read_text(text, machine, controller="fanuc")
+    last = len(toolpath) - 1
+    way = toolpath.way_length[last]
+    at = Places(np.array([last - 1.0, last - 1.0 + share, last]), np.array([0.0, share, 1.0]) * way)
+    plan = FeedPlan((at,), (np.array([0.01, 0.1, 0.01]),), ())
+    written = with_cut_feeds(Source.from_bytes(text.encode(), "a.nc"), machine, None, options, toolpath, plan)
+    lines = [line for line in written.data.decode().splitlines() if line.startswith("G1")]
+    assert len(lines) == 2 and lines[0].endswith(" F6000.") and lines[1] == "G1 X300. Y40. F600."
+    for word in lines[0].split()[1:]:
+        assert "." in word and sum(letter.isdigit() for letter in word) <= 8
+
+
 def test_a_table_of_points_is_refused_in_its_own_words():
     text = "x [mm],y [mm],z [mm],i,j,k,feed [mm/min]\n0,0,0,0,0,1,600\n50,0,0,0,0,1,600\n90,0,0,0,0,1,600\n"
     machine = tp.Machine.load("xyzac-trunnion")

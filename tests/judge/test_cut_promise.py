@@ -241,6 +241,7 @@ def test_what_is_stated_otherwise_is_told_in_units():
         {"spindle": {"power": []}},
         {"spindle": {"speed": [(1.0, 1.0)]}},
         {"resolution_mm": 0.0},
+        {"teachers": {"1": [(1e-4, 0.0, 1e-3)]}},
     ],
 )
 def test_what_is_no_promise_is_refused_in_one_line(changes):

@@ -16,6 +16,8 @@ from toolpace.machine.machine import Machine
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.planner import plan
+from toolpace.planning.program_plan import plan_program
+from toolpace.programs.reading import read_text
 from toolpace.results.write.plan_json import usage_record
 
 
@@ -103,6 +105,16 @@ def test_a_machine_keeps_what_a_motor_bears_continuously():
         assert [check.joint for check in figures.of_ratings()] == wrong
     weaker = heavy_machine(A=BODIES["A"] + "\ntorque_continuous = 23.9")
     assert [check.name for check in verify(trajectory, weaker).findings] == ["continuous torque of A"]
+
+
+def test_the_plan_of_a_program_keeps_the_rating():
+    text = "G21 G90 G94 G43.4 H1\nG1 X0 Y0 Z50 A0 C0 F12000\nG1 X10 Y0 Z50 A-20\nM30\n"
+    machine = heavy_machine(A=BODIES["A"] + "\ntorque_continuous = 36")
+    program = read_text(text, machine)
+    found = plan_program(program, machine, 1e-5, np.radians(0.05), effort="low").trajectory
+    assert found.usage().rows["continuous torque A"] == pytest.approx(1.0, abs=3.5e-3)
+    assert "continuous torque A" in found.limited_by() and found.notes[-1].startswith("slowed for")
+    assert verify(found, machine, program).ok
 
 
 def test_ratings_in_a_machine_file():

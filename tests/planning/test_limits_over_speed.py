@@ -10,7 +10,6 @@ import pytest
 
 from tests.support.random_paths import harmonics, random_limits
 from toolpace.common.errors import UsageError
-from toolpace.deflection.new_trajectory import replan
 from toolpace.judge import verify
 from toolpace.kernels.optimal.dual import lowest_with_root
 from toolpace.machine.limit_curves import SIDES, CurvedLimit, LimitCurve
@@ -213,8 +212,6 @@ def test_who_knows_constants_takes_the_least_value():
         motion = plan(path, limits, planner=planner)
         acceleration = motion.at(np.linspace(0.0, motion.duration, 2000)).qdd
         assert (np.abs(acceleration).max(axis=0) <= limits.acceleration * 1.0001).all()
-    with pytest.raises(UsageError, match=r"limits that depend on the speed \(acceleration of q1"):
-        replan(plan(path, limits, bound=False), 0.5, np.zeros(2))
 
 
 def test_limits_with_curves_are_values():

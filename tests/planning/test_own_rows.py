@@ -233,9 +233,15 @@ def test_mistakes_are_told():
     for wrong, message in (
         (lambda q: np.ones((q.shape[1], 3)), r"own: the function gives shape \(\d+, 3\)"),
         (lambda q: np.full((q.shape[1], 2), np.nan), "own: the function gives nan"),
+        (lambda q: [[1.0, 2.0], [3.0]], "own: the function gives list of no real numbers"),
+        (lambda q: np.ones((q.shape[1], 2), dtype=complex), "own: the function gives ndarray of no real numbers"),
     ):
         with pytest.raises(UsageError, match=message):
             plan(path, limits, rows=rows(wrong))
+    # below zero at rest no motion begins
+    lines = [lambda q, height=height: np.tile([height, 1.0], (q.shape[1], 1, 1, 1)) for height in (2.0, -0.1)]
+    with pytest.raises(UsageError, match=r"own: lines of -0.1 m at rest with the joints at .* give lines above zero"):
+        plan(path, limits, rows=rows(lines=lambda q: [side(q) for side in lines]))
     with pytest.raises(UsageError, match="quantity has shape"):
         plan(path, limits, rows=[Rows.acceleration_of("own", "", 1.0, lambda q: q)])
     with pytest.raises(UsageError, match="rows named 'feed'"):

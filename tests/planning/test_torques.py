@@ -184,7 +184,7 @@ def test_the_motor_curve_of_a_machine_is_held_and_judged():
 def test_what_cannot_be_held_is_told():
     path, limits = AxisPath.from_callable(harmonics(1, 2)), random_limits(1, 2)
     dynamics = random_dynamics(1, 2)
-    with pytest.raises(UsageError, match=r"torque of joint .: weight and friction take .* give a stronger motor"):
+    with pytest.raises(UsageError, match=r"(torque|force) q\d: weight and friction take .* of 0.001 N.*; give"):
         plan(path, limits, rows=torque_rows(dynamics, 1e-3, limits.joints))
     rows = torque_rows(dynamics, 1e4, limits.joints)
     with pytest.raises(UsageError, match="second-order holds no"):

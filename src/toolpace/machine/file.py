@@ -28,6 +28,7 @@ from toolpace.machine.plausibility import (
     check_place,
     check_rating,
     check_text,
+    check_viscous_friction,
 )
 
 Vector = tuple[float, float, float]
@@ -184,7 +185,8 @@ def read_machine(text: str, source: str) -> MachineFile:
         for figures in (joint, _with_largest(joint, curves[name], scale))[: 1 + bool(curves[name])]:
             check_joint(figures, place, unit, scale)
             ask_about(figures, place, unit, scale)
-        check_speeds(curves[name], written[name].get("velocity", joint.velocity * scale), place, (unit, scale))
+        velocity = written[name].get("velocity", joint.velocity * scale)
+        check_speeds(curves[name], velocity, place, (unit, scale))
         check_place(_scaled(joint.point, length), "point", place)
         if joint.kind == "rotary" and "point" not in raw["joints"][name]:
             raise MachineError(
@@ -192,7 +194,9 @@ def read_machine(text: str, source: str) -> MachineFile:
                 "every joint at zero, like point = [0, 0, 0]"
             )
         check_body(joint, place)
-        check_rating(joint, (motors[name] or joint.motor), place)
+        motor = motors[name] or joint.motor
+        check_rating(joint, motor, place)
+        check_viscous_friction(joint.viscous_friction, motor, velocity, place)
         joints[name] = msgspec.structs.replace(
             joint,
             point=_scaled(joint.point, length),

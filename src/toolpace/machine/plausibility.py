@@ -26,6 +26,8 @@ LARGEST = 1e6
 """Most of a travel that is not endless [m or rad], and of an entry of a direction."""
 STRONGEST = 20.0
 """Most of gravity [m/s^2]: twice that of the earth. 9806.65 is in mm."""
+LEAST_REACHED = 0.01
+"""Least share of a joint's velocity to which its motor can overcome viscous friction."""
 SLOWEST = 1e-9
 """Least that a limit of a joint is [m or rad per s, s^2, s^3]."""
 
@@ -249,6 +251,17 @@ def check_rating(joint: DrivenJoint, motor: Motor | None, place: str) -> None:
     if motor is None or rating > motor.largest:
         most = "without a limit" if motor is None else f"above {mine} = {motor.largest:g} {unit}"
         raise MachineError(f"{place}: {mine}_continuous = {rating:g} {unit} {most}; give the motor's largest as {mine}")
+
+
+def check_viscous_friction(friction: float, motor: Motor | None, velocity: float, place: str) -> None:
+    """Refuse friction [N s/m, N m s/rad] with which a motor comes to next to nothing of its joint's velocity [m/s,
+    rad/s]: a slip of units."""
+    if motor is None or not math.isfinite(velocity) or friction * velocity * LEAST_REACHED <= motor.largest:
+        return
+    raise MachineError(
+        f"{place}: viscous_friction = {friction:g} takes all of {motor.largest:g} of the motor at "
+        f"{motor.largest / friction / velocity:.2g} of its velocity; give it in N s/m, or N m s/rad"
+    )
 
 
 def is_usual(kind: str, key: str, figure: float) -> bool:

@@ -102,7 +102,8 @@ class WordAddress:
         """F replaced, or added behind the last word; G93 before it where feeds are inverse times."""
         code = self._code(line)
         at = self._place(code)
-        word = self._word(code[at[0] : at[1]] if at else in_force, feed, inverse)
+        like = code[at[0] : at[1]] if at else in_force
+        word = self._word(like, feed, inverse)
         if at is None:
             end = len(code.rstrip())
             line = f"{line[:end]} {word}{line[end:]}"
@@ -126,8 +127,8 @@ class WordAddress:
         return code_of(line)
 
     def _word(self, like: str, feed: str, inverse: bool) -> str:
-        """A feed in the word that another one has."""
-        return f"F{feed}"
+        """A feed in the word that another one has; F1200 of a program that writes F800. is another on some controls."""
+        return f"F{feed}." if "." in like and "." not in feed else f"F{feed}"
 
     def _place(self, code: str) -> tuple[int, int] | None:
         """Where F and its value stand."""

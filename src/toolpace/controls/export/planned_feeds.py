@@ -87,7 +87,9 @@ class Job:
         passes = Passes.of(toolpath)
         planned = passes.planned_times(toolpath, plan) if isinstance(plan, SetPoints) else plan
         rewriting = Rewriting.of(ProgramText.of(source.data), words, passes, planned, inverse)
-        return cls(source, machine, dialect, options, toolpath, passes, planned, rewriting)
+        # read back, it is for the same control: what others would make of it has been said
+        own = replace(options, controller=found.controller, others=())
+        return cls(source, machine, dialect, own, toolpath, passes, planned, rewriting)
 
     def without(self, passes: Bools) -> Job:
         """The same, where some passes (k,) keep their text."""

@@ -26,8 +26,8 @@ from toolpace.controls.timing.program_time import figures_for, moves_of, time_of
 from toolpace.motion.setpoints import SetPoints
 from toolpace.programs.reading import Source
 
-DECIMALS = 6
-"""Of coordinates between those of the program."""
+DECIMALS, DIGITS = 5, 8
+"""Of coordinates between those of the program, at most: no control takes fewer digits."""
 _STRAIGHT = re.compile(
     rf"[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?(?:G[ \t]*0*1(?![0-9.])[ \t]*)?((?:[XYZABCUVW][ \t]*=?[ \t]*{NUMBER}[ \t]*)+)"
     rf"(?:F(?:Z[ \t]*=)?[ \t]*{NUMBER}[ \t]*)?"
@@ -82,7 +82,10 @@ class Places:
 
 
 def _number(value: float) -> str:
-    return f"{value + 0.0:.{DECIMALS}f}".rstrip("0").rstrip(".")
+    """With its point, without which some controls count in their least increment."""
+    decimals = max(min(DECIMALS, DIGITS - len(f"{abs(value):.0f}")), 0)
+    text = f"{value + 0.0:.{decimals}f}"
+    return text.rstrip("0") if "." in text else f"{text}."
 
 
 def cut(job: Job, points: SetPoints, seconds: float) -> dict[int, list[str]]:

@@ -22,6 +22,8 @@ from toolpace.machine.rows import Rows
 
 ROUNDING = 1e-6
 """Share of the largest torque by which a function may miss what its others tell."""
+HALVINGS = 50
+"""For a factor between 0 and 1 to within rounding."""
 Torque = Callable[[Floats, Floats, Floats], npt.ArrayLike]
 """Torques (n, joints) at positions, velocities and accelerations (n, joints) of the joints."""
 
@@ -60,7 +62,7 @@ class JointTorque(Rows):
         cls, terms: _JointTerms, name: str, unit: str, curve: LimitCurve, rating: ContinuousRating | None = None
     ) -> JointTorque:
         """That of a joint of dynamics that are shared by all joints [N m, N]."""
-        room = _Room(terms, curve)
+        room = _Room(terms, curve, name, unit)
         pieces = len(room.of_motor)
         return cls(name, unit, curve.largest, terms, lines=room, pieces=pieces, terms=terms, curve=curve, rating=rating)
 
@@ -81,16 +83,28 @@ class JointTorque(Rows):
     def ratio(self, q: Floats, state: Floats) -> Floats:
         """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
 
-        Above 1 it is how much more the motion asks for than weight and friction leave, where that is more: by so much
-        it must be slower.
+        Above 1 it is by how much (ds/dt)^2 must fall for the motor to bear it, where that is more: weight and dry
+        friction stay as they are however slow the motion is.
         """
         assert self.terms is not None and self.curve is not None
-        square, viscous, constant = self.parts(q, state)
-        share: Floats = np.abs(square + viscous + constant) / self.curve.at(q[1, :, self.terms.joint] * state[1])
+        parts, speed = self.parts(q, state), q[1, :, self.terms.joint] * state[1]
+        share: Floats = np.abs(parts.sum(axis=0)) / self.curve.at(speed)
         over = share > 1.0
         if over.any():
-            share[over] = np.maximum(share[over], super().ratio(np.ascontiguousarray(q[:, over]), state[:, over]))
+            slower = self._slower(parts[:, over], speed[over])
+            share[over] = np.maximum(share[over], slower**-2.0)
         return share
+
+    def _slower(self, parts: Floats, speed: Floats) -> Floats:
+        """(n,) the factor of ds/dt at which the motor bears the parts (3, n) of a torque, found by halving."""
+        assert self.curve is not None
+        square, viscous, constant = parts
+        low, high = np.zeros(len(speed)), np.ones(len(speed))
+        for _ in range(HALVINGS):
+            factor = (low + high) / 2.0
+            borne = np.abs((square * factor + viscous) * factor + constant) <= self.curve.at(speed * factor)
+            low, high = np.where(borne, factor, low), np.where(borne, high, factor)
+        return high
 
 
 def torque_rows(
@@ -200,6 +214,8 @@ class _Room:
 
     terms: _JointTerms
     curve: LimitCurve
+    name: str
+    unit: str
 
     @cached_property
     def of_motor(self) -> Floats:
@@ -215,9 +231,9 @@ class _Room:
         if not (np.abs(constant) < self.curve.largest).all():
             at = int(np.argmax(np.abs(constant)))
             raise UsageError(
-                f"torque of joint {self.terms.joint + 1}: weight and friction take {abs(constant[at]):.6g} of "
-                f"{self.curve.largest:.6g} with the joints at {np.round(q[0, at], 6).tolist()}; give a stronger "
-                "motor, or a weight balance"
+                f"{self.name}: weight and friction take {abs(constant[at]):.6g} of {self.curve.largest:.6g} "
+                f"{self.unit} with the joints at {np.round(q[0, at], 6).tolist()} m or rad; give a stronger motor, or "
+                "a weight balance"
             )
         speed = np.abs(q[1, :, self.terms.joint])
         motor = self.of_motor * np.stack([np.ones_like(speed), speed], axis=1)[:, None, None]

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toolpace.programs.stock_figures import StockFigures
     from toolpace.programs.toolpath import ToolPath
 
+
 @dataclass(frozen=True)
 class StatedPromise:
     """What somebody who knows it says was promised; None of what is not said."""
@@ -137,7 +138,9 @@ def check_promise(record: CutLimitsRecord) -> None:
     except (TypeError, UsageError):
         sound = False
     else:
-        sound = record.feeds in WAYS and 0.0 < record.resolution_mm < 1e3 and {*record.spindle} <= {"power", "torque"}
+        taught = all(min(each) > 0.0 for teachers in record.teachers.values() for each in teachers)
+        sound = record.feeds in WAYS and 0.0 < record.resolution_mm < 1e3 and taught
+        sound &= {*record.spindle} <= {"power", "torque"}
     if not sound:
         raise UsageError("plan.json: its cut_limits are no promise of a cut; plan again to write it anew")
 
