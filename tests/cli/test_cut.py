@@ -135,7 +135,7 @@ def test_the_folder_has_engagement_stock_figures_and_a_page(folder, tmp_path, ca
         ("[tools.1]\nlength = 120\n", "tool 1 tells no shape"),
         (SHEET.replace("[20, 20, 0]", "[-500, 20, 0]").replace("[[0,", "[[-900,"), "away from all moves at feed"),
         (SHEET + '[fixtures.vice]\nmesh = "vice.stl"\n', "vice.stl: cannot be read"),
-        (SHEET.replace("[20, 20, 0]", "[20000, 20000, 0]"), "a resolution of 0.4 mm takes "),
+        (SHEET.replace("[20, 20, 0]", "[20000, 20000, 0]"), "cells of 0.4 mm take "),
     ],
 )
 def test_what_the_sheet_lacks_is_one_line_with_the_cure_before_the_plan(folder, capsys, sheet, words):

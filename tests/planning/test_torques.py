@@ -181,6 +181,17 @@ def test_the_motor_curve_of_a_machine_is_held_and_judged():
         assert [check.joint for check in found] == wrong
 
 
+def test_an_overtaxed_motor_tells_by_how_much_it_must_be_slower():
+    """Viscous friction falls with ds/dt, acceleration with its square, and weight not at all."""
+    dynamics = Dynamics((Link("linear", (0, 0, 1), mass=2.0, viscous_friction=8.0),))
+    weight = 2.0 * 9.80665
+    (row,) = torque_rows(dynamics, weight + 16.0, ("Z",))
+    q = np.array([[0.0], [1.0], [0.0], [0.0]])[:, :, None] * np.ones((1, 3, 1))
+    # weight leaves 16 N: of 8 N s/m at 4 m/s half the speed, of 2 kg at 16 m/s^2 half its square; of both 8 + 8 N
+    state = np.array([[0.0] * 3, [4.0, 0.0, 2.0], [0.0, 16.0, 16.0], [0.0] * 3])
+    assert row.ratio(q, state) == pytest.approx([4.0, 2.0, 4.0])
+
+
 def test_what_cannot_be_held_is_told():
     path, limits = AxisPath.from_callable(harmonics(1, 2)), random_limits(1, 2)
     dynamics = random_dynamics(1, 2)

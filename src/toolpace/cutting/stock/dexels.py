@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from toolpace.common.arrays import Floats, Ints, number, numbers
 from toolpace.common.errors import UsageError
+from toolpace.common.units import format_figure
 from toolpace.common.value_objects import one_line
 from toolpace.cutting.stock.mesh_topology import box_triangles
 
@@ -361,10 +362,11 @@ def _cell_counts(low: Floats, high: Floats, resolution: float | None, memory: fl
     faces = [float(wanted[(d + 1) % 3] * wanted[(d + 2) % 3]) for d in range(3)]
     taken = NODE * (1.0 + SPARE) * sum(faces)
     if not taken <= max(room, NODE * 64.0):
+        coarser = 1e3 * resolution_within(low, high, room)
         several = f" for {stocks} stocks (as large as told, smaller and larger)" if stocks > 1 else ""
         raise UsageError(
-            f"stock: cells of {1e3 * cell:g} mm take {stocks * taken / 1e6:.3g} MB{several}, and {memory / 1e6:.3g} MB "
-            f"are allowed; give cells of {1e3 * resolution_within(low, high, room):.2g} mm or more, or more memory"
+            f"stock: cells of {1e3 * cell:g} mm take {format_figure(stocks * taken / 1e6)} MB{several}, and "
+            f"{format_figure(memory / 1e6)} MB are allowed; give cells of {coarser:.2g} mm or more, or more memory"
         )
     counts: Ints = np.maximum(wanted, 1.0).astype(np.int64)
     return counts

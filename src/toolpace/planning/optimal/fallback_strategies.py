@@ -100,8 +100,10 @@ def fallback_plan(
     if fixed:
         return first, (f"{notes[0]}; the mesh is kept as it was given",)
     best, proved = first, None
-    loose = opening.stands > 0.5 or limits.depend_on_speed
-    ways = ("proof", "mesh", "proof") if loose else ("mesh", "proof")
+    ways: tuple[str, ...] = ("proof", "mesh", "proof") if opening.stands > 0.5 else ("mesh", "proof")
+    if limits.depend_on_speed:
+        # a proof below planes is long: not twice
+        ways = "proof", "mesh"
     astray = first.law.duration > (1.0 + FAR) * at_nodes
     for way in ("fewer cells", *ways) if astray else (*ways, "fewer cells"):
         if way == "mesh":
