@@ -19,6 +19,7 @@ from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.bound.relaxation import coefficients_of
+from toolpace.planning.optimal.friction_turns import with_turns
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 from toolpace.results.write.plan_json import usage_record
@@ -49,7 +50,7 @@ def assert_torques_hold(seed, joints):
     return trajectory, used
 
 
-@pytest.mark.parametrize("seed, joints", [(1, 2), (8, 2), (2, 3)])
+@pytest.mark.parametrize("seed, joints", [(1, 2), (8, 2), (2, 3), (1723, 2)])
 def test_torques_with_weight_and_friction_hold_between_nodes(seed, joints):
     trajectory, used = assert_torques_hold(seed, joints)
     assert used > 0.99
@@ -66,6 +67,28 @@ def test_torques_of_chains_hold_between_nodes(seed):
 @pytest.mark.parametrize("seed", range(1000, 2000))
 def test_torques_of_a_thousand_chains_hold_between_nodes(seed):
     assert_torques_hold(seed, 1 + seed % 7)
+
+
+def test_where_joints_with_dry_friction_turn_back_runs_have_breaks():
+    """cos(s) turns back at pi, sin(s) at pi/2 and 3 pi/2; what stands but for rounding turns nowhere."""
+    path = AxisPath.from_callable(
+        lambda s, order: np.stack(
+            [np.cos(s + order * np.pi / 2), np.sin(s + order * np.pi / 2), 1e-17 * np.sin(1e3 * s)], axis=1
+        ),
+        0.1, 6.0,
+    )  # fmt: skip
+    limits = Limits(1.0, 1.0, 1.0, joints=("A", "B", "C"))
+    links = [Link("rotary", (0, 0, 1), rotor_inertia=1.0, dry_friction=friction) for friction in (0.0, 0.1, 0.1)]
+    run = path.runs[0]
+    held = replace(limits, rows=torque_rows(Dynamics(tuple(links)), 5.0, limits.joints))
+    (first, second) = with_turns(run, held).breaks
+    assert (first, second) == pytest.approx((np.pi / 2, 3 * np.pi / 2), abs=1e-14)
+    # of a place the sign behind it, and of the number before it the other
+    around = run.evaluate(np.array([np.nextafter(first, 0.0), first]))[1, :, 1]
+    assert around[0] >= 0.0 > around[1]
+    assert with_turns(run, limits) is run
+    every = replace(limits, rows=torque_rows(lambda q, qd, qdd: qdd + 0.1 * np.sign(qd), 5.0, limits.joints))
+    assert len(with_turns(run, every).breaks) == 3
 
 
 def compared_with_ipopt(seed, joints):

@@ -67,6 +67,8 @@ class Rows:
     jerk have the same lines on either side."""
     pieces: int = 1
     """How many lines each row has on a side, where limits depend on the speed."""
+    jumps_at_turns_of: tuple[int, ...] = ()
+    """Joints where whose velocity along the path changes its sign the limits jump, as dry friction does."""
     _lock: Lock = field(default_factory=Lock, init=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -140,6 +140,10 @@ class Dynamics(ByValue):
     def __repr__(self) -> str:
         return one_line(self, f"of {len(self.links)} joints", f"{sum(each.mass for each in self.links):g} kg")
 
+    def has_dry_friction(self, joint: int) -> bool:
+        """Whether a joint has some: its torque jumps where it turns back."""
+        return self.links[joint].dry_friction > 0.0
+
     @classmethod
     def of_machine(cls, file: MachineFile) -> Dynamics:
         """That of a machine file: its two chains from the bed, and the part on the last joint of the workpiece's."""

@@ -64,13 +64,20 @@ class JointTorque(Rows):
         """That of a joint of dynamics that are shared by all joints [N m, N]."""
         room = _Room(terms, curve, name, unit)
         pieces = len(room.of_motor)
-        return cls(name, unit, curve.largest, terms, lines=room, pieces=pieces, terms=terms, curve=curve, rating=rating)
+        turning = (terms.joint,) if terms.shared.dynamics.has_dry_friction(terms.joint) else ()
+        return cls(
+            name, unit, curve.largest, terms, lines=room, pieces=pieces, jumps_at_turns_of=turning,
+            terms=terms, curve=curve, rating=rating,
+        )  # fmt: skip
 
     def eased(self, share: float) -> Rows:
         """The row of a share of what weight and friction leave, by which a plan keeps the continuous rating."""
         assert isinstance(self.lines, _Room)
         lines, limit = _Share(self.lines, share), self.limit * share
-        return Rows(CONTINUOUS + self.name, self.unit, limit, self.function, lines=lines, pieces=self.pieces)
+        return Rows(
+            CONTINUOUS + self.name, self.unit, limit, self.function, lines=lines, pieces=self.pieces,
+            jumps_at_turns_of=self.jumps_at_turns_of,
+        )  # fmt: skip
 
     def parts(self, q: Floats, state: Floats) -> Floats:
         """(3, n) the torque at the joints q (4, n, joints) and states (4, n) of s [N m, N]: what falls with the square
@@ -279,6 +286,10 @@ class _Fitted:
     """The coefficients of a function for torques: differences of what it tells at some velocities and accelerations."""
 
     torque: Torque
+
+    def has_dry_friction(self, joint: int) -> bool:
+        """Whether a joint has dry friction: nobody knows."""
+        return True
 
     def along(self, q: Floats) -> TorqueTerms:
         """As `Dynamics.along`. Raises UsageError for a function that is no torque of rigid bodies."""

@@ -1,0 +1,76 @@
+"""Where joints with dry friction turn back, as breaks of a run: what friction leaves of a torque jumps there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolpace.common.arrays import Floats, Ints
+from toolpace.machine.limits import Limits
+from toolpace.path.axis_run import AxisRun
+
+LOOKS = 2000
+"""Even places of a run, beside its hints, between which a turn is looked for."""
+STANDS = 1e-9
+"""Share of its largest velocity along the path up to which a joint stands, but for rounding; [m or rad] on the run."""
+
+
+class RunWithTurns(AxisRun):
+    """A run with more breaks."""
+
+    def __init__(self, run: AxisRun, turns: Floats) -> None:
+        """Take the run and the places (k,)."""
+        self.run = run
+        self.s0, self.s1, self.hints = run.s0, run.s1, run.hints
+        self.breaks = np.union1d(run.breaks, turns)
+        self.dwell, self.tool_length, self.smooth_cap, self.blocks = (
+            run.dwell, run.tool_length, run.smooth_cap, run.blocks
+        )  # fmt: skip
+        self.entries, self.deviations, self.block_at = run.entries, run.deviations, run.block_at  # type: ignore[method-assign]
+
+    def evaluate(self, s: Floats) -> Floats:
+        """(4, n, joints): positions and three derivatives along s, from the right at a break [m or rad over s]."""
+        return self.run.evaluate(s)
+
+    def speed_cap(self, s: Floats) -> Floats:
+        """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
+        return self.run.speed_cap(s)
+
+    def cap_names(self, s: Floats) -> tuple[Ints, tuple[str, ...]]:
+        """(n,) what sets the cap at s (n,), as an index in the names that come with it."""
+        return self.run.cap_names(s)
+
+    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
+        """Both of these: the path (4, n, joints) and the cap (n,) on ds/dt."""
+        return self.run.with_cap(s)
+
+    def place(self, s: float) -> str:
+        """A parameter in words, with the block where there is a program."""
+        return self.run.place(s)
+
+
+def with_turns(run: AxisRun, limits: Limits) -> AxisRun:
+    """The run with a break wherever one of its limits jumps because a joint turns back; itself where none does."""
+    joints = np.unique(np.array([k for row in limits.rows for k in row.jumps_at_turns_of], dtype=np.int64))
+    if isinstance(run, RunWithTurns) or not len(joints):
+        return run
+    found = turns(run, joints)
+    return RunWithTurns(run, found) if len(found) else run
+
+
+def turns(run: AxisRun, joints: Ints) -> Floats:
+    """(k,) places where the velocity along the path of one of the joints changes its sign, each the first behind it."""
+    s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, LOOKS), run.hints, run.breaks]))
+    velocity = run.evaluate(s)[1][:, joints]
+    largest = np.abs(velocity).max(axis=0)
+    moves = (np.abs(velocity) > STANDS * largest) & (largest * (run.s1 - run.s0) > STANDS)
+    at, which = np.nonzero((np.sign(velocity[1:]) != np.sign(velocity[:-1])) & (moves[1:] | moves[:-1]))
+    left, right, sign = s[at], s[at + 1], np.sign(velocity[at, which])
+    while True:
+        middle = 0.5 * (left + right)
+        inside = (left < middle) & (middle < right)
+        if not inside.any():
+            break
+        same = np.sign(run.evaluate(middle)[1][np.arange(len(at)), joints[which]]) == sign
+        left, right = np.where(inside & same, middle, left), np.where(inside & ~same, middle, right)
+    margin = STANDS * (run.s1 - run.s0)
+    return np.unique(right[(right > run.s0 + margin) & (right < run.s1 - margin)])
