@@ -71,6 +71,10 @@ def sine(**more: Any) -> tp.AxisPath:
     return tp.AxisPath.from_callable(lambda s, order: np.sin(s + 0.5 * np.pi * order)[:, None], **more)
 
 
+def rated(continuous: Any, **more: Any) -> tuple[Any, ...]:
+    return tp.torque_rows(lambda q, qd, qdd: qdd, 9.0, list("ABCDEF"), continuous=continuous, **more)
+
+
 @dataclasses.dataclass(frozen=True)
 class Case:
     """One argument of one function."""
@@ -123,6 +127,12 @@ CASES: dict[str, Case] = {
     "torque_rows: most": Case(
         lambda x: [row.limit for row in tp.torque_rows(lambda q, qd, qdd: qdd, x, list("ABCDEF"))], LINES,
         "torques", True,
+    ),
+    "torque_rows: continuous": Case(
+        lambda x: [repr(each.rating) for each in rated(x)], LINES, "torques", True, optional=True
+    ),
+    "torque_rows: window": Case(
+        lambda x: [repr(each.rating) for each in rated(5.0, window=x)], LINES, "torques", True
     ),
     "SpeedProfile: place": Case(lambda x: tp.SpeedProfile(x, LINES, LINES % 2, ("a", "b")), f32(LINES), "place"),
     "SpeedProfile: speed": Case(lambda x: tp.SpeedProfile(LINES, x, LINES % 2, ("a", "b")), f32(LINES), "speed", True),

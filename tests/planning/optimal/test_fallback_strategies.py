@@ -10,6 +10,7 @@ from testbed.curved_pass import curved_pass
 from testbed.from_positions import used_by_positions
 from testbed.random_plans import random_plan
 from toolpace.common.errors import InfeasibleError
+from toolpace.machine.limits import Limits
 from toolpace.planning.bound.branch_and_bound import Allowance
 from toolpace.planning.bound.relaxation import Bound
 from toolpace.planning.limit_tolerances import PROMISED
@@ -101,10 +102,12 @@ def scripted(monkeypatch, stands, proofs, finer, fewer, at_nodes=1.0, fewer_gap=
         return SimpleNamespace(nodes=np.zeros(cells), duration=fewer)
 
     monkeypatch.setattr(another, "bound_run", lambda run, limits, law, *_: plan_of(fewer_gap).bound)
-    best, notes = another.fallback_plan(a_run, None, plan_of(0.2), None, None, False, True, None, with_cells, at_nodes)
+    first = plan_of(0.2)
+    best, notes = another.fallback_plan(a_run, LIMITS, first, None, None, False, True, None, with_cells, at_nodes)
     return best.bound.gap, notes[0].split("; ")[1:], list(gaps)
 
 
+LIMITS = Limits(1.0, 1.0, 1.0)
 FASTER = "with 20 cells the motion is 30.00 % faster"
 LOOSE, NOTHING, LEFT = "the lower bound was loose", "branch and bound", "the remaining gap"
 

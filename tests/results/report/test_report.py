@@ -160,7 +160,8 @@ def test_words():
     assert (at_most(-1e-12), at_most(0.0), at_most(math.inf), at_most(0.9999)) == ("0 %", "0 %", "unbounded", "100 %")
     assert [percent(x) for x in (1.00004, 0.5, 0.0004)] == ["100.00 %", "50.0 %", "0.040 %"]
     assert limit_words("jerk A") == "Jerk of A"
-    assert len(set(colours(("X", "Y")).values())) == 9
+    # feed; of each joint three of its own, its motor, and the motor's continuous rating
+    assert len(set(colours(("X", "Y")).values())) == 11
 
 
 def test_deviations_are_those_of_the_run_that_is_passed():

@@ -177,7 +177,9 @@ def _ratings(
 
 def _each(most: object, count: int) -> list[Any]:
     """What stands for each joint."""
-    return list(most) if isinstance(most, Sequence | np.ndarray) and np.ndim(most) else [most] * count
+    if isinstance(most, np.ndarray):
+        return list(np.atleast_1d(most))
+    return list(most) if isinstance(most, Sequence) and not isinstance(most, str) else [most] * count
 
 
 def machine_torques(file: MachineFile, source: str) -> tuple[Rows, ...]:
