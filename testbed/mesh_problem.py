@@ -7,7 +7,6 @@ import numpy as np
 from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.planning.mesh.nodes import first_mesh
-from toolpace.planning.optimal.friction_turns import with_turns
 from toolpace.planning.optimal.problem import Problem, discretise
 from toolpace.planning.planned_run import AT_REST, EndState
 
@@ -20,7 +19,7 @@ def mesh_problem(
     end: EndState = AT_REST,
 ) -> tuple[Problem, np.ndarray, np.ndarray]:
     """The discretised problem on exactly the planner's mesh of n cells, and the guess (s, z) that it starts from."""
-    run = with_turns(axis_path.runs[0], limits)
+    run = axis_path.runs[0]
     nodes, rough = first_mesh(run, limits, (start.speed**2, end.speed**2), n)
     return discretise(run, limits, nodes, start, end), rough.s, rough.z
 

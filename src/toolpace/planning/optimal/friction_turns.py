@@ -6,12 +6,18 @@ import numpy as np
 
 from toolpace.common.arrays import Floats, Ints
 from toolpace.machine.limits import Limits
+from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
+from toolpace.planning.limit_tolerances import PROMISED
 
 LOOKS = 2000
 """Even places of a run, beside its hints, between which a turn is looked for."""
 STANDS = 1e-9
 """Share of its largest velocity along the path up to which a joint stands, but for rounding; [m or rad] on the run."""
+
+BESIDE = 1e-7
+"""How far from a turn its sides are looked at, as a share of the run: at the turn itself a joint counts as one that
+stands, which dry friction holds."""
 
 
 class RunWithTurns(AxisRun):
@@ -50,15 +56,29 @@ class RunWithTurns(AxisRun):
 
 def with_turns(run: AxisRun, limits: Limits) -> AxisRun:
     """The run with a break wherever one of its limits jumps because a joint turns back; itself where none does."""
-    joints = np.unique(np.array([k for row in limits.rows for k in row.jumps_at_turns_of], dtype=np.int64))
-    if isinstance(run, RunWithTurns) or not len(joints):
-        return run
-    found = turns(run, joints)
+    found = turns(run, limits)
     return RunWithTurns(run, found) if len(found) else run
 
 
-def turns(run: AxisRun, joints: Ints) -> Floats:
-    """(k,) places where the velocity along the path of one of the joints changes its sign, each the first behind it."""
+def exceeded_turns(run: AxisRun, limits: Limits, law: TimeLaw) -> Floats:
+    """(k,) turns that are no breaks yet, and on one side of which a law exceeds a limit."""
+    places = np.setdiff1d(turns(run, limits), run.breaks)
+    if not len(places):
+        return places
+    beside = BESIDE * (run.s1 - run.s0)
+    both = np.clip(np.concatenate([places - beside, places + beside]), run.s0, run.s1)
+    path, state = run.evaluate(both), law.states_at(both)
+    used = np.max([rows.ratio(path, state) for rows in limits.rows if rows.jumps_at_turns_of], axis=0)
+    exceeded: Floats = places[(used.reshape(2, -1) > PROMISED).any(axis=0)]
+    return exceeded
+
+
+def turns(run: AxisRun, limits: Limits) -> Floats:
+    """(k,) places where the velocity along the path of a joint changes its sign, and with it a limit jumps; each the
+    first of its sign."""
+    joints = np.unique(np.array([k for rows in limits.rows for k in rows.jumps_at_turns_of], dtype=np.int64))
+    if not len(joints):
+        return np.empty(0)
     s = np.unique(np.concatenate([np.linspace(run.s0, run.s1, LOOKS), run.hints, run.breaks]))
     velocity = run.evaluate(s)[1][:, joints]
     largest = np.abs(velocity).max(axis=0)

@@ -28,7 +28,7 @@ from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
 from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
-from toolpace.planning.optimal.friction_turns import with_turns
+from toolpace.planning.optimal.friction_turns import RunWithTurns, exceeded_turns, turns
 from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes, without_falls
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
@@ -68,7 +68,20 @@ class Optimal(Options):
         self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
     ) -> PlannedRun:
         """The fastest law of one run. Raises InfeasibleError where no motion within the limits joins both states."""
-        run = with_turns(run, limits)
+        found = self._planned(run, limits, start, end, workers, progress)
+        for of_all in (False, True) if self.guard else ():
+            exceeded = exceeded_turns(run, limits, found.law)
+            if not len(exceeded):
+                break
+            run = RunWithTurns(run, turns(run, limits) if of_all else exceeded)
+            with contextlib.suppress(InfeasibleError):  # what is exceeded at a turn stands in the usage
+                found = self._planned(run, limits, start, end, workers, UNTOLD)
+        return found
+
+    def _planned(
+        self, run: AxisRun, limits: Limits, start: EndState, end: EndState, workers: Workers, progress: Progress
+    ) -> PlannedRun:
+        """The same, without looking at turns of joints that are no breaks of the run."""
         part = progress.part(0.0, GUARDED) if self.bound else progress
         fixed = self.mesh is not None
         cache = CachedPath(run)
@@ -107,7 +120,6 @@ def fastest_law(
     between the nodes too, in `most_rounds` of solving anew before the law is slowed down. Raises InfeasibleError where
     no motion within the limits joins both ends.
     """
-    run = with_turns(run, limits)
     law, _ = held_law(run, limits, cells, start, end, guard, workers or Workers(), progress, most_rounds)
     return law, mesh_points(law)
 
