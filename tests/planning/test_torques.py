@@ -19,7 +19,7 @@ from toolpace.machine.limits import Limits
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.path import Path
 from toolpace.planning.bound.relaxation import coefficients_of
-from toolpace.planning.optimal.friction_turns import with_turns
+from toolpace.planning.optimal.friction_turns import turns
 from toolpace.planning.optimal.planner import fastest_law
 from toolpace.planning.planner import plan
 from toolpace.results.write.plan_json import usage_record
@@ -69,7 +69,7 @@ def test_torques_of_a_thousand_chains_hold_between_nodes(seed):
     assert_torques_hold(seed, 1 + seed % 7)
 
 
-def test_where_joints_with_dry_friction_turn_back_runs_have_breaks():
+def test_places_where_joints_with_dry_friction_turn_back():
     """cos(s) turns back at pi, sin(s) at pi/2 and 3 pi/2; what stands but for rounding turns nowhere."""
     path = AxisPath.from_callable(
         lambda s, order: np.stack(
@@ -81,14 +81,14 @@ def test_where_joints_with_dry_friction_turn_back_runs_have_breaks():
     links = [Link("rotary", (0, 0, 1), rotor_inertia=1.0, dry_friction=friction) for friction in (0.0, 0.1, 0.1)]
     run = path.runs[0]
     held = replace(limits, rows=torque_rows(Dynamics(tuple(links)), 5.0, limits.joints))
-    (first, second) = with_turns(run, held).breaks
+    first, second = turns(run, held)
     assert (first, second) == pytest.approx((np.pi / 2, 3 * np.pi / 2), abs=1e-14)
     # of a place the sign behind it, and of the number before it the other
     around = run.evaluate(np.array([np.nextafter(first, 0.0), first]))[1, :, 1]
     assert around[0] >= 0.0 > around[1]
-    assert with_turns(run, limits) is run
+    assert len(turns(run, limits)) == 0
     every = replace(limits, rows=torque_rows(lambda q, qd, qdd: qdd + 0.1 * np.sign(qd), 5.0, limits.joints))
-    assert len(with_turns(run, every).breaks) == 3
+    assert len(turns(run, every)) == 3
 
 
 def compared_with_ipopt(seed, joints):

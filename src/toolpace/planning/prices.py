@@ -31,7 +31,6 @@ from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_run import AxisRun
 from toolpace.planning.bound.relaxation import OVERLAP_RAMPS, SAMPLES, borders, coefficients_of, highest_speed
 from toolpace.planning.mesh.initial_guess import ramp_time
-from toolpace.planning.optimal.friction_turns import with_turns
 from toolpace.planning.optimal.own_rows import LineRows
 from toolpace.planning.optimal.problem import (
     REST_POWERS,
@@ -103,7 +102,6 @@ class RunPart(NamedTuple):
 def parts_of(run: AxisRun, limits: Limits, law: SplineLaw) -> list[RunPart]:
     """The parts of a run, which overlap as those of its bound do."""
     border, over = borders(law, OVERLAP_RAMPS * min(ramp_time(limits), law.duration))
-    run = with_turns(run, limits)
     highest = highest_speed(run, limits, law, law.nodes[:: max(len(law.nodes) // SAMPLES, 1)])
     ends = zip(border[:-1].tolist(), border[1:].tolist(), over[:-1].tolist(), over[1:].tolist())
     return [

@@ -31,7 +31,6 @@ from toolpace.planning.bound.relaxation import (
     relaxed,
 )
 from toolpace.planning.mesh.initial_guess import ramp_time
-from toolpace.planning.optimal.friction_turns import with_turns
 from toolpace.planning.optimal.problem import Problem
 from toolpace.planning.optimal.solve import Stalled, slower, solve
 from toolpace.planning.planned_run import AT_REST, EndState, PlannedRun, total_bound
@@ -65,8 +64,7 @@ def prove(
     within = number(within, "prove: within", least=0.0, endless=True, unit="s")
     refuse_other_unit(gap, WIDEST_GAP, "prove: gap", "give a share: 0.01 percent is 1e-4")
     until = time.monotonic() + within
-    limits = trajectory.limits
-    runs = [with_turns(run, limits) for run in trajectory.axis_path.runs]
+    runs, limits = trajectory.axis_path.runs, trajectory.limits
     laws = [law for law in trajectory.laws if isinstance(law, SplineLaw)]
     reported = CallersProgress(progress)
     workers = Workers(reported)

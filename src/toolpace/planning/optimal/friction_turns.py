@@ -54,12 +54,6 @@ class RunWithTurns(AxisRun):
         return self.run.place(s)
 
 
-def with_turns(run: AxisRun, limits: Limits) -> AxisRun:
-    """The run with a break wherever one of its limits jumps because a joint turns back; itself where none does."""
-    found = turns(run, limits)
-    return RunWithTurns(run, found) if len(found) else run
-
-
 def exceeded_turns(run: AxisRun, limits: Limits, law: TimeLaw) -> Floats:
     """(k,) turns that are no breaks yet, and on one side of which a law exceeds a limit."""
     places = np.setdiff1d(turns(run, limits), run.breaks)
