@@ -22,6 +22,8 @@ from toolpace.machine.rows import Rows
 
 ROUNDING = 1e-6
 """Share of the largest torque by which a function may miss what its others tell."""
+HELD = 1.0 + 2e-5
+"""Share of its limit up to which a torque counts as held: a fifth of what is promised."""
 HALVINGS = 50
 """For a factor between 0 and 1 to within rounding."""
 Torque = Callable[[Floats, Floats, Floats], npt.ArrayLike]
@@ -90,13 +92,13 @@ class JointTorque(Rows):
     def ratio(self, q: Floats, state: Floats) -> Floats:
         """(n,) |torque| over its limit at the joints q (4, n, joints) and states (4, n) of s.
 
-        Above 1 it is by how much (ds/dt)^2 must fall for the motor to bear it, where that is more: weight and dry
-        friction stay as they are however slow the motion is.
+        Where it is exceeded by more than rounding it is by how much (ds/dt)^2 must fall for the motor to bear it, where
+        that is more: weight and dry friction stay as they are however slow the motion is.
         """
         assert self.terms is not None and self.curve is not None
         parts, speed = self.parts(q, state), q[1, :, self.terms.joint] * state[1]
         share: Floats = np.abs(parts.sum(axis=0)) / self.curve.at(speed)
-        over = share > 1.0
+        over = share > HELD
         if over.any():
             slower = self._slower(parts[:, over], speed[over])
             share[over] = np.maximum(share[over], slower**-2.0)

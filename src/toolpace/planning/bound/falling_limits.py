@@ -51,12 +51,14 @@ def limits_at(lines: LineRows, x: Floats) -> Floats:
     return limit
 
 
-def planes_above(lines: LineRows, x: Floats, high: Floats, least: Floats | float = 0.0) -> Planes:
+def planes_above(
+    lines: LineRows, x: Floats, high: Floats, least: Floats | float = 0.0, *, rising: bool = False
+) -> Planes:
     """Planes that touch the limits at ds/dt x (points, k) and lie above them up to `high` (points, k), as far as
     samples tell: multipliers of any planes give a bound.
 
     Of all with the value a and the slope a' of the limit at x, that with the least multiple of the pace, and at least
-    `least` (points, k):
+    `least` (points, k), or, if they are to be `rising`, that by which none falls with z:
 
         max over v of (a(v) - a - a' (v^2 - x^2) / (2 x)) / (1 / v - 1 / x + (v^2 - x^2) / (2 x^3))
     """
@@ -65,6 +67,8 @@ def planes_above(lines: LineRows, x: Floats, high: Floats, least: Floats | float
     slope = np.where(lines.is_jerk, -height / (x * x), -fall)
     # in the limit of v = x
     by_pace = np.maximum(np.where(lines.is_jerk, lines.height.max(axis=2), fall * x * x / 3.0), least)
+    if rising:
+        by_pace = np.maximum(by_pace, -slope * x * x)
     for share in SAMPLES:
         v = np.minimum(share * x, high) if share > 1.0 else share * x
         other = (v * v - x * x) / (2.0 * x)

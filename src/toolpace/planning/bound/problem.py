@@ -102,7 +102,9 @@ class Knots:
         scale: Floats = np.where(self.lines.is_jerk, height, height + 1.0)
         return scale
 
-    def within_planes(self, c: Floats, speeds: list[Floats], exact: bool = False) -> tuple[Knots, Floats]:
+    def within_planes(
+        self, c: Floats, speeds: list[Floats], exact: bool = False, rising: bool = False
+    ) -> tuple[Knots, Floats]:
         """The problem with planes for the limits that depend on the speed, and (points, planes, k) the factors of
         `multipliers`. With `exact` they are nowhere below the limits, so that what it takes is a bound by itself;
         else the bound is that of the multipliers in the problem itself.
@@ -112,7 +114,8 @@ class Knots:
 
             (r . u - by_z z - constant) / by_pace <= p
 
-        It holds on its other side, too: far from the plan, as the pace counts enough. Elsewhere it is left out.
+        It holds on its other side, too: far from the plan, as the pace counts enough. Elsewhere it is left out. What
+        `rising` planes are, `planes_above` tells.
         """
         lines = self.lines
         assert lines is not None
@@ -126,7 +129,8 @@ class Knots:
             x = np.repeat(speed, points)[:, None] + none
             limit = limits_at(lines, x)
             near = (value > NEAR * limit) & (~lines.is_jerk | (lines.height.shape[2] > 1))
-            planes = planes_above(lines, x, high, np.where(near, 0.5 * x * ((1.0 + LEAST_ROOM) * limit - value), 0.0))
+            least = np.where(near, 0.5 * x * ((1.0 + LEAST_ROOM) * limit - value), 0.0)
+            planes = planes_above(lines, x, high, least, rising=rising)
             if exact:
                 planes = lifted(lines, planes, np.sqrt(self.cap)[np.repeat(np.arange(len(points)), points)])
             factor = np.where(near, 1.0 / np.where(near, planes.by_pace, 1.0), 0.0)

@@ -52,6 +52,8 @@ SAMPLES = 20_000
 
 TOUCHED = 2
 """How often planes are laid above limits that depend on the speed: more gain less than a tenth of a percent."""
+LOOSE = 0.01
+"""Share of the plan's time by which a bound is below it where further planes are worth a try."""
 
 
 @dataclass(frozen=True)
@@ -168,12 +170,18 @@ def relaxed_over_lines(
 ) -> Relaxation:
     """The same with limits that depend on the speed; `begin` are coefficients and reliefs as `start_within` finds them.
 
-    By planes that touch these limits where the plan is, then by further ones where that relaxation is faster.
+    By planes that touch these limits where the plan is, then by further ones where that relaxation is faster. Planes
+    that fall with z leave the more the faster a motion is, and their multipliers may tell nothing: then by others.
     """
     found: list[Relaxation] = []
     speeds = [np.sqrt(knots.state(c)[:, 0])]
-    for _ in range(TOUCHED):
-        within, factors = knots.within_planes(c, speeds)
+    planned = float(knots.weight @ (1.0 / speeds[0]))
+    for rising in (False,) * TOUCHED + (True,):
+        if rising:
+            if max(one.value for one in found) > (1.0 - LOOSE) * planned:
+                break
+            speeds = speeds[:1]
+        within, factors = knots.within_planes(c, speeds, rising=rising)
         start = begin[0].copy()
         _, dual, wait, steps = relaxation.relax(
             within.as_knots(), low, high, start, begin[1], tolerance, np.inf, MOST_STEPS
