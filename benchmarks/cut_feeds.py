@@ -65,7 +65,7 @@ class Case:
 
 CASES = {
     # CC BY 4.0: "Production data set for five-axis CNC milling with multiple changeovers", doi 10.5281/zenodo.15735480
-    "Bottle_opener": Case("xyzbc-trunnion", 0.4, {"SCHAFT_D8_N_AP20": 0.055, "SCHAFT_D4_N_AP20": 0.023}),
+    "Bottle_opener": Case("xyzbc-trunnion", 0.4, {"SCHAFT_D8_N_AP20": 0.055, "SCHAFT_D4_N_AP20": 0.05}),
     "Coordinate_system_representation_Achskreuz": Case(
         "xyzbc-trunnion", 1.0, {"PLAN_D50_N_AP4": 0.1, "SCHAFT_D12_N_AP30": 0.04, "SCHAFT_D6_N_AP15": 0.02}
     ),

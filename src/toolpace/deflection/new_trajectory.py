@@ -35,8 +35,8 @@ from toolpace.deflection.rejoin.search import rejoin_of
 from toolpace.deflection.rejoin_motion import CommandedMotion
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine
-from toolpace.motion.continuous_torque import continuous_shares
 from toolpace.motion.laws import TimeLaw
+from toolpace.motion.torques_over_time import continuous_shares
 from toolpace.motion.trajectory import Skipped, Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun

@@ -21,10 +21,10 @@ from toolpace.common.errors import ToolpaceError, UsageError
 from toolpace.common.files import changed, is_folder, reason
 from toolpace.machine.limits import CONTINUOUS
 from toolpace.machine.machine import Machine
-from toolpace.motion.continuous_torque import rated_torques
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.set_point_files import read_set_points
 from toolpace.motion.setpoints import SetPoints
+from toolpace.motion.torques_over_time import rated_torques
 from toolpace.motion.trajectory_file import TRAJECTORY, read_trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_quintic import QuinticAxisRun

@@ -21,10 +21,10 @@ from toolpace.common.workers import Workers
 from toolpace.machine.limits import Limits
 from toolpace.motion import Motion, Usage, closer_look, jerk_jumps
 from toolpace.motion.active_limits import BINDING, NOTHING, ActiveLimits, active_limits
-from toolpace.motion.continuous_torque import continuous_shares, with_ratings
 from toolpace.motion.laws import TimeLaw
 from toolpace.motion.sampling import Sampling
 from toolpace.motion.setpoints import ROWS, SetPoints
+from toolpace.motion.torques_over_time import continuous_shares, with_ratings
 from toolpace.motion.usage import put_joint_motion
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.axis_run import AxisRun

@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 from toolpace.common.errors import InfeasibleError, UsageError
 from toolpace.machine.dynamics.torques import ContinuousRating, JointTorque
 from toolpace.machine.limits import CONTINUOUS, Limits
-from toolpace.motion.continuous_torque import TorquesOverTime, continuous_shares, rated_torques
 from toolpace.motion.laws import SplineLaw
+from toolpace.motion.torques_over_time import TorquesOverTime, continuous_shares, rated_torques
 from toolpace.motion.trajectory import Trajectory
 
 KEPT, ENOUGH = 0.9995, 0.997

@@ -27,7 +27,7 @@ from toolpace.common.value_objects import counted, one_line
 from toolpace.common.workers import Progress
 from toolpace.machine.limits import Limits
 from toolpace.machine.machine import Machine, check_machine
-from toolpace.motion.continuous_torque import rated_torques
+from toolpace.motion.torques_over_time import rated_torques
 from toolpace.motion.trajectory import Trajectory
 from toolpace.path.axis_path import AxisPath
 from toolpace.path.fit.polyline import PlaceTolerances

@@ -52,6 +52,11 @@ Report = Annotated[
 ]
 
 
+def limit_words(limit: list[str] | None, max_deflection: str | None) -> list[str]:
+    """What --limit and --max-deflection tell, as words of --limit."""
+    return [*(limit or []), *([f"surface_deflection={max_deflection}"] if max_deflection else [])]
+
+
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Allowed:
@@ -106,8 +111,7 @@ class Allowed:
         from toolpace.cutting.feeds.teaching import load_teachers
         from toolpace.jobs.cut_options import cut_limits
 
-        most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
-        limits = cut_limits([*(self.limit or []), *most])
+        limits = cut_limits(limit_words(self.limit, self.max_deflection))
         if self.feeds == "limits" and not limits:
             raise UsageError("--feeds limits: no limit is given; add one, such as --limit chip=0.08mm")
         if (self.teacher or self.without_teacher) and self.feeds != "learned":
@@ -191,8 +195,7 @@ class StatedCut:
         from toolpace.jobs.cut_options import cut_limits
         from toolpace.results.write import StatedPromise
 
-        most = [f"surface_deflection={self.max_deflection}"] if self.max_deflection else []
-        limits = cut_limits([*(self.limit or []), *most])
+        limits = cut_limits(limit_words(self.limit, self.max_deflection))
         return StatedPromise(
             {tool: {name: getattr(each, name) for name in each.names} for tool, each in limits.items()} or None,
             None if self.material is None else coefficients_of(self.material),
@@ -259,13 +262,7 @@ def feeds_command(
     if save_teachers is not None and allowed.feeds != "learned":
         raise UsageError(f"--save-teachers goes with --feeds learned, and the feeds are '{allowed.feeds}'")
     if out is not None:
-        for what, file in (("program", program), ("set-up sheet", reading.setup), ("machine file", machine)):
-            if file is not None and Path(out).exists() and Path(file).exists() and Path(out).samefile(file):
-                raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
-        if Path(out).is_dir():
-            raise UsageError(f"--out {out}: that is a folder; name a file in it")
-        if not Path(out).absolute().parent.is_dir():
-            raise UsageError(f"--out {out}: its folder does not exist; make it first")
+        program_file(out, {"program": program, "set-up sheet": reading.setup, "machine file": machine})
     if report is not None:
         page_file(report, out, program)
     tip, axis = arguments.tolerances(tolerances)
@@ -297,6 +294,17 @@ def feeds_command(
         if written:
             console.print(f"\nwritten   {written}", soft_wrap=True)
     return 0
+
+
+def program_file(out: str, read: dict[str, str | None]) -> None:
+    """Raise UsageError where a program cannot be written to a file, or what is read is that file."""
+    for what, file in read.items():
+        if file is not None and Path(out).exists() and Path(file).exists() and Path(out).samefile(file):
+            raise UsageError(f"--out {out}: that is the {what} itself, which is never written over; name another")
+    if Path(out).is_dir():
+        raise UsageError(f"--out {out}: that is a folder; name a file in it")
+    if not Path(out).absolute().parent.is_dir():
+        raise UsageError(f"--out {out}: its folder does not exist; make it first")
 
 
 def page_file(report: str, out: str | None, program: str) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
-from toolpace.common.arrays import Floats, Ints
+from toolpace.common.arrays import Floats
 from toolpace.machine.limits import Limits
 from toolpace.motion.laws import TimeLaw
 from toolpace.path.axis_run import AxisRun
@@ -14,44 +16,16 @@ LOOKS = 2000
 """Even places of a run, beside its hints, between which a turn is looked for."""
 STANDS = 1e-9
 """Share of its largest velocity along the path up to which a joint stands, but for rounding; [m or rad] on the run."""
-
 BESIDE = 1e-7
 """How far from a turn its sides are looked at, as a share of the run: at the turn itself a joint counts as one that
 stands, which dry friction holds."""
 
 
-class RunWithTurns(AxisRun):
-    """A run with more breaks."""
-
-    def __init__(self, run: AxisRun, turns: Floats) -> None:
-        """Take the run and the places (k,)."""
-        self.run = run
-        self.s0, self.s1, self.hints = run.s0, run.s1, run.hints
-        self.breaks = np.union1d(run.breaks, turns)
-        self.dwell, self.tool_length, self.smooth_cap, self.blocks = (
-            run.dwell, run.tool_length, run.smooth_cap, run.blocks
-        )  # fmt: skip
-        self.entries, self.deviations, self.block_at = run.entries, run.deviations, run.block_at  # type: ignore[method-assign]
-
-    def evaluate(self, s: Floats) -> Floats:
-        """(4, n, joints): positions and three derivatives along s, from the right at a break [m or rad over s]."""
-        return self.run.evaluate(s)
-
-    def speed_cap(self, s: Floats) -> Floats:
-        """(n,) most ds/dt that feed and block times allow, from the right at a break; inf without a cap."""
-        return self.run.speed_cap(s)
-
-    def cap_names(self, s: Floats) -> tuple[Ints, tuple[str, ...]]:
-        """(n,) what sets the cap at s (n,), as an index in the names that come with it."""
-        return self.run.cap_names(s)
-
-    def with_cap(self, s: Floats) -> tuple[Floats, Floats]:
-        """Both of these: the path (4, n, joints) and the cap (n,) on ds/dt."""
-        return self.run.with_cap(s)
-
-    def place(self, s: float) -> str:
-        """A parameter in words, with the block where there is a program."""
-        return self.run.place(s)
+def with_breaks(run: AxisRun, places: Floats) -> AxisRun:
+    """The run with further breaks (k,)."""
+    more = copy(run)
+    more.breaks = np.union1d(run.breaks, places)
+    return more
 
 
 def exceeded_turns(run: AxisRun, limits: Limits, law: TimeLaw) -> Floats:

@@ -28,7 +28,7 @@ from toolpace.planning.bound.relaxation import bound_long_run, places_in_time
 from toolpace.planning.mesh.nodes import first_mesh
 from toolpace.planning.optimal.acceleration_switches import may_switch, sharpened
 from toolpace.planning.optimal.fallback_strategies import FAR, Plan, fallback_plan
-from toolpace.planning.optimal.friction_turns import RunWithTurns, exceeded_turns, turns
+from toolpace.planning.optimal.friction_turns import exceeded_turns, turns, with_breaks
 from toolpace.planning.optimal.inter_sample_limits import MOST_ROUNDS, held_between_nodes, without_falls
 from toolpace.planning.optimal.meshed_run import MeshedRun
 from toolpace.planning.optimal.solve import Stalled, start_from
@@ -73,7 +73,7 @@ class Optimal(Options):
             exceeded = exceeded_turns(run, limits, found.law)
             if not len(exceeded):
                 break
-            run = RunWithTurns(run, turns(run, limits) if of_all else exceeded)
+            run = with_breaks(run, turns(run, limits) if of_all else exceeded)
             with contextlib.suppress(InfeasibleError):  # what is exceeded at a turn stands in the usage
                 found = self._planned(run, limits, start, end, workers, UNTOLD)
         return found
